@@ -37,7 +37,6 @@ pub struct Awareness {
 
 impl Awareness {
     /// A sender before its first frame.
-    #[must_use]
     pub fn new(vehicle: Vehicle, origin: &Origin) -> Self {
         let heading_deg = origin.heading_deg.value();
         Self { vehicle, triggers: Triggers::default(), plane: road_plane(origin), heading_deg }

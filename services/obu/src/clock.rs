@@ -26,19 +26,16 @@ pub struct Moment {
 
 impl Moment {
     /// UTC of the senders' clocks at this instant, as the vehicle estimates it.
-    #[must_use]
     pub fn utc_ms(&self) -> UnixMs {
         (self.utc_start_ns + self.now_ns + self.ahead_ns).div_euclid(1_000_000)
     }
 
     /// Run time of a UTC of the senders, ns.
-    #[must_use]
     pub fn run_ns(&self, utc_ms: UnixMs) -> i64 {
         utc_ms.saturating_mul(1_000_000).saturating_sub(self.utc_start_ns + self.ahead_ns)
     }
 
     /// Age of a sender's stamp, ms; negative for a stamp of the future.
-    #[must_use]
     pub fn age_ms(&self, utc_ms: UnixMs) -> i64 {
         self.utc_ms() - utc_ms
     }
@@ -55,7 +52,6 @@ pub struct ClockError {
 
 impl ClockError {
     /// Lead at a run time, ns.
-    #[must_use]
     pub fn at(self, now_ns: i64) -> i64 {
         let drift_ns = i128::from(now_ns) * i128::from(self.drift_ppm) / 1_000_000;
         i64::from(self.offset_ms) * 1_000_000 + drift_ns as i64

@@ -3,7 +3,7 @@
 use crate::clock::Moment;
 use crate::known_map::KnownMap;
 use crate::lanes::StopLine;
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, nanoseconds};
 use crate::timing::{Timing, every_group};
 use crate::verdict::Verdict;
 use its::mapem::IntersectionGeometry;
@@ -11,6 +11,8 @@ use its::spatem::IntersectionState;
 
 /// Most senders of one intersection.
 const MOST_SENDERS: usize = 4;
+/// Distance from the assumed line to the unit, m: half of a large intersection. A stop too early is safe.
+const LINE_BEFORE_UNIT_M: f64 = 30.0;
 /// Signal group of the assumed line: no real group.
 const NO_GROUP: u8 = 0;
 
@@ -22,15 +24,16 @@ pub struct Intersection {
     /// Frames about it.
     frames: u64,
     first_ns: i64,
-    heard_ns: i64,
-    map: Option<KnownMap>,
+    /// Instant of its last frame, ns of run time.
+    pub(crate) heard_ns: i64,
+    pub(crate) map: Option<KnownMap>,
     /// Its maps without a lane of the vehicle.
     elsewhere: u64,
     /// Position of its unit on the vehicle's path, m; `None` if it is not beside the path.
     unit_m: Option<f64>,
     senders: Vec<Sender>,
     /// Instant of its last timing without a contradiction, ns of run time.
-    certain_ns: Option<i64>,
+    pub(crate) certain_ns: Option<i64>,
 }
 
 /// One sender's timing of an intersection's signals.
@@ -49,7 +52,6 @@ struct Sender {
 
 impl Intersection {
     /// An intersection before its first frame.
-    #[must_use]
     pub fn new(id: u16, now_ns: i64) -> Self {
         Self {
             id,
@@ -72,27 +74,8 @@ impl Intersection {
     }
 
     /// True after two frames: a single one can have a falsified id.
-    #[must_use]
     pub fn is_confirmed(&self) -> bool {
         self.frames >= 2
-    }
-
-    /// Time since its last frame, ns.
-    #[must_use]
-    pub fn silent_ns(&self, now_ns: i64) -> i64 {
-        now_ns - self.heard_ns
-    }
-
-    /// True if it has a map.
-    #[must_use]
-    pub fn has_map(&self) -> bool {
-        self.map.is_some()
-    }
-
-    /// Instant of its last timing without a contradiction, ns of run time.
-    #[must_use]
-    pub fn certain_ns(&self) -> Option<i64> {
-        self.certain_ns
     }
 
     /// The stop lines for a vehicle at `ego_m`, including those just passed.
@@ -110,9 +93,9 @@ impl Intersection {
 
     /// The assumed line of an intersection without a map.
     fn assumed_line(&self, now_ns: i64, numbers: &Numbers) -> Option<StopLine> {
-        let is_due = now_ns - self.first_ns > Numbers::nanoseconds(numbers.map_due_s);
+        let is_due = now_ns - self.first_ns > nanoseconds(numbers.map_due_s);
         let is_missing = self.map.is_none() && self.elsewhere < 2 && is_due;
-        let position_m = self.unit_m.filter(|_| is_missing)? - numbers.line_before_unit_m;
+        let position_m = self.unit_m.filter(|_| is_missing)? - LINE_BEFORE_UNIT_M;
         Some(StopLine { signal_group: NO_GROUP, position_m })
     }
 
@@ -133,8 +116,8 @@ impl Intersection {
                 if made_ns <= sender.made_ns {
                     return Verdict::OutOfOrder;
                 }
-                let shows = |a: &Timing, b: &Timing| a.shows_as(b, now_s, numbers);
-                let agrees = |a: &Timing, b: &Timing| a.agrees_with(b, now_s, numbers);
+                let shows = |a: &Timing, b: &Timing| a.shows_as(b, now_s);
+                let agrees = |a: &Timing, b: &Timing| a.agrees_with(b, now_s);
                 let again = (sender.candidate.as_ref())
                     .is_some_and(|candidate| every_group(candidate, &timings, shows));
                 if !again && !every_group(&sender.timings, &timings, agrees) {
@@ -171,7 +154,7 @@ impl Intersection {
         let told = |line: &StopLine| {
             state.movements.iter().any(|movement| movement.signal_group == line.signal_group)
         };
-        let is_whole = map.lines().iter().all(told);
+        let is_whole = map.lines.iter().all(told);
         self.renew(moment.now_ns, numbers);
         if is_whole { Verdict::Accepted } else { Verdict::MissingLane }
     }
@@ -192,7 +175,7 @@ impl Intersection {
         let is_announced = (self.senders.iter())
             .any(|sender| sender.station == station && sender.revision == geometry.revision);
         let is_taken = match &mut self.map {
-            Some(map) => map.take(station, now_ns, geometry, lines, is_announced, numbers),
+            Some(map) => map.take(station, now_ns, geometry, lines, is_announced),
             None => {
                 self.map = Some(KnownMap::new(station, now_ns, geometry.clone(), lines));
                 true
@@ -203,7 +186,6 @@ impl Intersection {
     }
 
     /// The newest timing of a signal group; `None` if senders differ. One of them is false, and so may be its green.
-    #[must_use]
     pub fn timing(&self, signal_group: u8, now_ns: i64, numbers: &Numbers) -> Option<&Timing> {
         let timings = &self.accepted(now_ns, numbers)?.timings;
         timings.iter().find(|timing| timing.signal_group == signal_group)
@@ -228,8 +210,8 @@ impl Intersection {
 
     /// True if two senders with standing timing contradict each other. The silence of one does not confirm the other.
     fn disagree(&self, now_ns: i64, numbers: &Numbers) -> bool {
-        let once_ns = Numbers::nanoseconds(numbers.once_stands_s);
-        let fits = |a: &Timing, b: &Timing| a.agrees_with(b, now_ns as f64 / 1e9, numbers);
+        let once_ns = nanoseconds(numbers.once_stands_s);
+        let fits = |a: &Timing, b: &Timing| a.agrees_with(b, now_ns as f64 / 1e9);
         let stands = |sender: &&Sender| sender.words >= 2 || now_ns - sender.made_ns <= once_ns;
         let standing: Vec<&Sender> = self.senders.iter().filter(stands).collect();
         standing.iter().enumerate().any(|(place, one)| {

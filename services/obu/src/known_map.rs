@@ -5,9 +5,11 @@
 //! If one signal has several lines, the nearest ahead counts.
 
 use crate::lanes::StopLine;
-use crate::numbers::Numbers;
 use its::mapem::IntersectionGeometry;
 
+/// Silence of a map's sender after which another sender can replace the map, ns. Chosen: four lost maps in a row are no
+/// chance.
+const MAP_SILENT_NS: i64 = 5_000_000_000;
 /// Most lines of former maps.
 const MOST_FORMER: usize = 16;
 
@@ -17,7 +19,7 @@ pub struct KnownMap {
     station: u32,
     heard_ns: i64,
     geometry: IntersectionGeometry,
-    lines: Vec<StopLine>,
+    pub(crate) lines: Vec<StopLine>,
     /// Lines of former maps.
     former: Vec<StopLine>,
     candidate: Option<Candidate>,
@@ -33,7 +35,6 @@ struct Candidate {
 
 impl KnownMap {
     /// The first map of an intersection.
-    #[must_use]
     pub fn new(
         station: u32,
         now_ns: i64,
@@ -52,7 +53,6 @@ impl KnownMap {
         geometry: &IntersectionGeometry,
         lines: Vec<StopLine>,
         is_announced: bool,
-        numbers: &Numbers,
     ) -> bool {
         if self.geometry == *geometry {
             (self.heard_ns, self.candidate) = (now_ns, None);
@@ -61,8 +61,7 @@ impl KnownMap {
         let is_new = self.geometry.revision != geometry.revision && is_announced;
         let again = (self.candidate.as_ref())
             .is_some_and(|said| said.station == station && said.geometry == *geometry);
-        let may_replace = self.station == station
-            || now_ns - self.heard_ns > Numbers::nanoseconds(numbers.map_silent_s);
+        let may_replace = self.station == station || now_ns - self.heard_ns > MAP_SILENT_NS;
         let geometry = geometry.clone();
         if !(may_replace && (is_new || again)) {
             self.candidate = Some(Candidate { station, geometry, lines });
@@ -77,15 +76,8 @@ impl KnownMap {
     }
 
     /// Revision; only timing of the same revision is used.
-    #[must_use]
     pub fn revision(&self) -> u8 {
         self.geometry.revision
-    }
-
-    /// Stop lines of the accepted map.
-    #[must_use]
-    pub fn lines(&self) -> &[StopLine] {
-        &self.lines
     }
 
     /// The line of each signal group for a vehicle at `ego_m`.
@@ -131,7 +123,7 @@ mod tests {
     fn lines_that_moved_count_one_after_the_other() {
         for (first_m, then_m) in [(300.0, 290.0), (300.0, 320.0)] {
             let mut known = KnownMap::new(1, 0, map(0), line(first_m));
-            assert!(known.take(1, 1, &map(1), line(then_m), true, &Numbers::DEFAULT));
+            assert!(known.take(1, 1, &map(1), line(then_m), true));
             let (near_m, far_m) = (f64::min(first_m, then_m), f64::max(first_m, then_m));
             assert_eq!(nearest(&known, 200.0), near_m);
             assert_eq!(nearest(&known, near_m + 1.0), far_m);
@@ -142,20 +134,20 @@ mod tests {
     #[test]
     fn a_map_that_is_said_once_can_only_bring_a_line_nearer_until_the_first_is_said_again() {
         let mut known = KnownMap::new(1, 0, map(0), line(300.0));
-        assert!(!known.take(1, 1, &map(1), line(320.0), false, &Numbers::DEFAULT));
+        assert!(!known.take(1, 1, &map(1), line(320.0), false));
         assert_eq!(nearest(&known, 0.0), 300.0);
-        assert!(!known.take(1, 2, &map(2), line(240.0), false, &Numbers::DEFAULT));
+        assert!(!known.take(1, 2, &map(2), line(240.0), false));
         assert_eq!(nearest(&known, 0.0), 240.0);
-        assert!(known.take(1, 3, &map(0), line(300.0), false, &Numbers::DEFAULT));
+        assert!(known.take(1, 3, &map(0), line(300.0), false));
         assert_eq!(nearest(&known, 0.0), 300.0);
     }
 
     #[test]
     fn another_sender_replaces_a_map_only_after_silence() {
         let mut known = KnownMap::new(1, 0, map(0), line(300.0));
-        assert!(!known.take(2, 1, &map(1), line(320.0), true, &Numbers::DEFAULT));
-        assert!(!known.take(2, 2, &map(1), line(320.0), true, &Numbers::DEFAULT));
-        assert!(known.take(2, 5_000_000_001, &map(1), line(320.0), true, &Numbers::DEFAULT));
+        assert!(!known.take(2, 1, &map(1), line(320.0), true));
+        assert!(!known.take(2, 2, &map(1), line(320.0), true));
+        assert!(known.take(2, 5_000_000_001, &map(1), line(320.0), true));
         assert_eq!((known.revision(), nearest(&known, 0.0)), (1, 300.0));
     }
 }

@@ -8,6 +8,9 @@ use scenario::radio::Origin;
 
 use crate::numbers::Numbers;
 
+/// Half of a lane's width if the map has no width, m: that of the simulated road.
+const HALF_WIDTH_M: f64 = 1.75;
+
 /// A stop line on the vehicle's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopLine {
@@ -18,21 +21,19 @@ pub struct StopLine {
 }
 
 /// The plane around the road's beginning, with the road as its axis.
-#[must_use]
 pub fn road_plane(origin: &Origin) -> Plane {
     let (latitude, longitude) = origin.steps();
     Plane::along(Position { latitude, longitude }, origin.heading_deg.value())
 }
 
 /// The stop lines of the way straight on, nearest to the origin first.
-#[must_use]
 pub fn stop_lines(
     geometry: &IntersectionGeometry,
     plane: &Plane,
     numbers: &Numbers,
 ) -> Vec<StopLine> {
     let reference = plane.point(geometry.reference);
-    let half_m = geometry.lane_width_cm.map_or(numbers.half_width_m, |cm| f64::from(cm) / 200.0);
+    let half_m = geometry.lane_width_cm.map_or(HALF_WIDTH_M, |cm| f64::from(cm) / 200.0);
     let lines = geometry
         .lanes
         .iter()

@@ -25,6 +25,11 @@ use xxhash_rust::xxh3::xxh3_64;
 
 /// Frames in which repeated bytes are detected.
 const REMEMBERED_FRAMES: usize = 512;
+/// Silence after which an intersection that is not ahead is dropped, ns. Chosen: longer than a unit is out of sight
+/// behind a lorry.
+const FORGOTTEN_NS: i64 = 30_000_000_000;
+/// Greatest age of the first map of an intersection, ms. Chosen: a map changes with works on the road, not within minutes.
+const OLDEST_MAP_MS: i64 = 600_000;
 /// Most intersections.
 const MOST_INTERSECTIONS: usize = 64;
 
@@ -42,13 +47,11 @@ pub struct Receiver {
 
 impl Receiver {
     /// A unit before its first frame, on a road that is the axis of `plane`.
-    #[must_use]
     pub fn new(station_id: u32, max_age_ms: i64, plane: Plane) -> Self {
         Self::with(station_id, max_age_ms, plane, &Numbers::DEFAULT)
     }
 
     /// The same with other numbers, for studies of their effect.
-    #[must_use]
     pub fn with(station_id: u32, max_age_ms: i64, plane: Plane, numbers: &Numbers) -> Self {
         Self {
             numbers: *numbers,
@@ -62,7 +65,6 @@ impl Receiver {
     }
 
     /// Continues these counts.
-    #[must_use]
     pub fn counting(self, verdicts: Verdicts) -> Self {
         Self { verdicts, ..self }
     }
@@ -75,7 +77,6 @@ impl Receiver {
     }
 
     /// Verdicts on all frames so far.
-    #[must_use]
     pub fn verdicts(&self) -> &Verdicts {
         &self.verdicts
     }
@@ -83,10 +84,9 @@ impl Receiver {
     /// Drops intersections that are passed and silent. `ego_m` is the vehicle's position on its path.
     pub fn forget(&mut self, now_ns: i64, ego_m: f64) {
         let numbers = &self.numbers;
-        let forgotten_ns = Numbers::nanoseconds(numbers.forgotten_s);
         self.intersections.retain(|intersection| {
             intersection.lines(now_ns, ego_m, numbers).next().is_some()
-                || intersection.silent_ns(now_ns) < forgotten_ns
+                || now_ns - intersection.heard_ns < FORGOTTEN_NS
         });
     }
 
@@ -110,7 +110,7 @@ impl Receiver {
             map.count += 1;
             if line.position_m >= ego_m {
                 // Without any certain timing: as old as the run.
-                let made_ns = known.certain_ns().unwrap_or(0);
+                let made_ns = known.certain_ns.unwrap_or(0);
                 oldest_ns = Some(oldest_ns.map_or(made_ns, |oldest| oldest.min(made_ns)));
             }
             if let Some(timing) = known.timing(line.signal_group, now_ns, &self.numbers) {
@@ -194,12 +194,12 @@ impl Receiver {
     ) -> Verdict {
         let numbers = self.numbers;
         let is_sent_now = self.is_of_now(sent_ms, moment);
-        let is_usable = moment.age_ms(sent_ms).abs() <= (1e3 * numbers.oldest_map_s) as i64;
+        let is_usable = moment.age_ms(sent_ms).abs() <= OLDEST_MAP_MS;
         let mut worst = Verdict::Accepted;
         for geometry in &mapem.intersections {
             let lines = stop_lines(geometry, &self.plane, &numbers);
             let verdict = match self.intersection(geometry.id, moment.now_ns) {
-                Some(known) if is_sent_now || is_usable && !known.has_map() => {
+                Some(known) if is_sent_now || is_usable && known.map.is_none() => {
                     known.note(moment.now_ns, unit_m);
                     known.take_map(mapem.station_id, geometry, lines, moment.now_ns, &numbers)
                 }

@@ -3,7 +3,6 @@
 use crate::awareness::{Awareness, Vehicle};
 use crate::clock::{ClockError, Moment};
 use crate::lanes::road_plane;
-use crate::numbers::Numbers;
 use crate::receiver::Receiver;
 use crate::report::ObuReport;
 use crate::verdict::Verdicts;
@@ -16,6 +15,14 @@ use runtime::{
     Subscriber, Timetable, monotonic_ns,
 };
 use scenario::Scenario;
+
+/// Periods after which the timer releases a cycle without its batch. Chosen: half of one later the batch counts as lost.
+const FALLBACK_PERIODS: f64 = 0.5;
+/// Periods without a batch after which the radio counts as dead. Chosen: two lost batches are chance.
+const DEAD_PERIODS: i64 = 3;
+/// Silence of a unit that was restarted during the run, ns. Meanwhile it receives the maps of the intersections ahead,
+/// and the controller uses the earlier timing. Chosen: the period of a map, 1 s, and three batches.
+const RESTART_SILENT_NS: i64 = 1_300_000_000;
 
 /// Runs the on-board unit in its group, to the end of the run.
 ///
@@ -86,7 +93,6 @@ impl Counts {
 }
 
 /// Report of a unit whose processes have ended, from the counts that they kept; `None` without them.
-#[must_use]
 pub fn last_known(group: &Group) -> Option<ObuReport> {
     let counts = ServiceCounts::of(group, Service::Obu);
     let figures = counts.figures();
@@ -125,8 +131,8 @@ impl Unit {
             },
             own_utc_start_ns: 0,
             period_ns,
-            fallback_ns: (Timetable::of(scenario).period_ns(Service::Obu) as f64
-                * Numbers::DEFAULT.fallback_periods) as i64,
+            fallback_ns: (Timetable::of(scenario).period_ns(Service::Obu) as f64 * FALLBACK_PERIODS)
+                as i64,
             speaks_from_ns: None,
             batch: Origin::NONE,
             counts: Counts::open(runtime.figures())?,
@@ -144,9 +150,8 @@ impl Unit {
         self.take_batch(&moment);
         let ego_m = self.odometry.newest().map_or(0.0, |o| o.moved_to(release.time_s).0);
         self.receiver.forget(now_ns, ego_m);
-        let silent = Numbers::nanoseconds(Numbers::DEFAULT.restart_silent_s)
-            * i64::from(runtime.is_restarted());
-        if now_ns >= *self.speaks_from_ns.get_or_insert(now_ns + silent) {
+        let silent_ns = if runtime.is_restarted() { RESTART_SILENT_NS } else { 0 };
+        if now_ns >= *self.speaks_from_ns.get_or_insert(now_ns + silent_ns) {
             self.publish(&release, ego_m)?;
         }
         self.send_cam(&release, &moment)?;
@@ -186,9 +191,7 @@ impl Unit {
 
     fn receives(&self, now_ns: i64) -> bool {
         let newest = self.frames.newest().map(|batch| batch.header.acquisition_ns);
-        newest.is_some_and(|newest_ns| {
-            now_ns - newest_ns <= i64::from(Numbers::DEFAULT.dead_periods) * self.period_ns
-        })
+        newest.is_some_and(|newest_ns| now_ns - newest_ns <= DEAD_PERIODS * self.period_ns)
     }
 
     /// Publishes the signals ahead. The acquisition time is the instant of the oldest timing; without a signal

@@ -1,11 +1,12 @@
 //! The timing of a signal from a SPATEM, in run time.
 
 use crate::clock::Moment;
-use crate::numbers::Numbers;
 use its::spatem::{MovementEvent, MovementPhase, MovementState};
 use its::time::TimeMark;
 use messages::{Interval, MAX_INTERVALS, PhaseState, Signal};
 
+/// Largest difference between two announcements of the same end, s: three marks of a tenth of a second. Chosen.
+const SAME_END_S: f64 = 0.35;
 /// Time for which a green that outlasts its announced end still counts, s. It is the time until the next message, and
 /// the difference of clocks.
 const NEXT_MESSAGE_S: f64 = 0.4;
@@ -43,7 +44,6 @@ impl Timing {
     /// Timing of a movement that was made at `made_ns` of run time. If the announced end of the present phase has
     /// passed, the phase still holds. Its end is open: a red lasts, and a green can end with each message. Its yellow is
     /// then as long as it was announced.
-    #[must_use]
     pub fn of(movement: &MovementState, made_ns: i64, moment: &Moment) -> Self {
         let mut phases: Vec<Announced> = Vec::with_capacity(movement.events.len());
         for event in movement.events.iter().take(MAX_INTERVALS) {
@@ -64,26 +64,23 @@ impl Timing {
     }
 
     /// The phases that last beyond `now_s`.
-    fn coming(&self, now_s: f64, numbers: &Numbers) -> impl Iterator<Item = &Announced> {
-        let from_s = now_s + numbers.same_end_s;
+    fn coming(&self, now_s: f64) -> impl Iterator<Item = &Announced> {
+        let from_s = now_s + SAME_END_S;
         self.phases.iter().filter(move |phase| phase.ends_s[1] > from_s)
     }
 
     /// True if both show the same phase at `now_s`, whatever they say of its end.
-    #[must_use]
-    pub fn shows_as(&self, other: &Self, now_s: f64, numbers: &Numbers) -> bool {
-        let mut shown = self.coming(now_s, numbers).zip(other.coming(now_s, numbers));
+    pub fn shows_as(&self, other: &Self, now_s: f64) -> bool {
+        let mut shown = self.coming(now_s).zip(other.coming(now_s));
         shown.next().is_none_or(|(a, b)| a.state == b.state)
     }
 
     /// True if both are possible from `now_s` on.
-    #[must_use]
-    pub fn agrees_with(&self, other: &Self, now_s: f64, numbers: &Numbers) -> bool {
-        let same_end_s = numbers.same_end_s;
-        for (a, b) in self.coming(now_s, numbers).zip(other.coming(now_s, numbers)) {
+    pub fn agrees_with(&self, other: &Self, now_s: f64) -> bool {
+        for (a, b) in self.coming(now_s).zip(other.coming(now_s)) {
             let (a_s, b_s) = (a.ends_s[1], b.ends_s[1]);
             let is_open = a.is_open_green() || b.is_open_green();
-            if a.state != b.state || !is_open && a_s != b_s && (a_s - b_s).abs() > same_end_s {
+            if a.state != b.state || !is_open && a_s != b_s && (a_s - b_s).abs() > SAME_END_S {
                 return false;
             }
             if is_open {
@@ -113,7 +110,6 @@ impl Timing {
 }
 
 /// True if each signal group of both lists `fits`.
-#[must_use]
 pub fn every_group(a: &[Timing], b: &[Timing], fits: impl Fn(&Timing, &Timing) -> bool) -> bool {
     a.iter().all(|of_a| {
         let mut same = b.iter().filter(|of_b| of_b.signal_group == of_a.signal_group);
@@ -252,8 +248,7 @@ mod tests {
         let green_now = (PhaseState::ProtectedMovementAllowed, 40.4);
         assert_eq!(told, [green_now, (PhaseState::ProtectedClearance, 43.0)]);
         assert_eq!(timing(vec![yellow(-1), red(9)]).phases, [], "red may be shown at once");
-        let agrees =
-            |other: Vec<MovementEvent>| late.agrees_with(&timing(other), 40.0, &Numbers::DEFAULT);
+        let agrees = |other: Vec<MovementEvent>| late.agrees_with(&timing(other), 40.0);
         assert!(agrees(vec![green(5), yellow(8), red(9)]), "green lasts for now");
         assert!(!agrees(vec![red(9)]));
     }
@@ -263,16 +258,9 @@ mod tests {
         let green = |s| event(MovementPhase::ProtectedMovementAllowed, [Some(s); 3]);
         let red = |s| event(MovementPhase::StopAndRemain, [Some(s); 3]);
         let told = timing(vec![green(2), red(9)]);
-        assert!(
-            told.agrees_with(&timing(vec![red(9)]), 42.0, &Numbers::DEFAULT),
-            "the green is over"
-        );
-        assert!(!told.agrees_with(&timing(vec![red(9)]), 41.0, &Numbers::DEFAULT));
-        assert!(!told.agrees_with(&timing(vec![green(3), red(9)]), 40.0, &Numbers::DEFAULT));
-        assert!(told.agrees_with(
-            &timing(vec![green(2), red(9), green(20)]),
-            40.0,
-            &Numbers::DEFAULT
-        ));
+        assert!(told.agrees_with(&timing(vec![red(9)]), 42.0), "the green is over");
+        assert!(!told.agrees_with(&timing(vec![red(9)]), 41.0));
+        assert!(!told.agrees_with(&timing(vec![green(3), red(9)]), 40.0));
+        assert!(told.agrees_with(&timing(vec![green(2), red(9), green(20)]), 40.0));
     }
 }

@@ -32,38 +32,20 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// All verdicts, from the best to the worst.
-    pub const ALL: [Self; 11] = [
-        Self::Accepted,
-        Self::UnknownIntersection,
-        Self::MissingLane,
-        Self::OutOfOrder,
-        Self::Duplicated,
-        Self::TooOld,
-        Self::Contradicting,
-        Self::SameStationId,
-        Self::UnknownMessage,
-        Self::OtherProfile,
-        Self::Malformed,
+    /// All verdicts with their names in results, from the best to the worst.
+    pub const ALL: [(Self, &str); 11] = [
+        (Self::Accepted, "accepted"),
+        (Self::UnknownIntersection, "unknown_intersection"),
+        (Self::MissingLane, "missing_lane"),
+        (Self::OutOfOrder, "out_of_order"),
+        (Self::Duplicated, "duplicated"),
+        (Self::TooOld, "too_old"),
+        (Self::Contradicting, "contradicting"),
+        (Self::SameStationId, "same_station_id"),
+        (Self::UnknownMessage, "unknown_message"),
+        (Self::OtherProfile, "other_profile"),
+        (Self::Malformed, "malformed"),
     ];
-
-    /// Name in results.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Accepted => "accepted",
-            Self::UnknownIntersection => "unknown_intersection",
-            Self::MissingLane => "missing_lane",
-            Self::OutOfOrder => "out_of_order",
-            Self::Duplicated => "duplicated",
-            Self::TooOld => "too_old",
-            Self::Contradicting => "contradicting",
-            Self::SameStationId => "same_station_id",
-            Self::UnknownMessage => "unknown_message",
-            Self::OtherProfile => "other_profile",
-            Self::Malformed => "malformed",
-        }
-    }
 }
 
 impl From<&DecodeError> for Verdict {
@@ -92,8 +74,8 @@ impl Verdicts {
     /// [`RuntimeError::Setup`] if shared memory has no room.
     pub fn open(figures: &Figures) -> Result<Self, RuntimeError> {
         let mut all = Self::default();
-        for (count, verdict) in all.0.iter_mut().zip(Verdict::ALL) {
-            *count = figures.count(verdict.name())?;
+        for (count, (_, name)) in all.0.iter_mut().zip(Verdict::ALL) {
+            *count = figures.count(name)?;
         }
         Ok(all)
     }
@@ -104,14 +86,12 @@ impl Verdicts {
     }
 
     /// Count of `verdict`.
-    #[must_use]
     pub fn of(&self, verdict: Verdict) -> u64 {
         self.0[verdict as usize].get()
     }
 
     /// All counts by name.
-    #[must_use]
     pub fn by_name(&self) -> BTreeMap<String, u64> {
-        Verdict::ALL.iter().map(|verdict| (verdict.name().to_owned(), self.of(*verdict))).collect()
+        Verdict::ALL.iter().map(|(verdict, name)| ((*name).to_owned(), self.of(*verdict))).collect()
     }
 }

@@ -73,7 +73,6 @@ struct Draws {
 
 impl Air {
     /// The air of a scenario.
-    #[must_use]
     pub fn new(keys: &Keys, seed: u64) -> Self {
         Self {
             keys: *keys,

@@ -89,7 +89,6 @@ impl GradeMap {
 
 impl CurveMap {
     /// The map of a scenario's road; `None` without a plan.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Option<Self> {
         let axis = scenario.road.plan()?.axis().clone();
         Some(Self::of(axis, NUMBERS.curve_cell_m, scenario))
@@ -110,7 +109,6 @@ impl<R: Mapped> CellMap<R> {
     }
 
     /// Length of a cell, m.
-    #[must_use]
     pub fn cell_m(&self) -> f64 {
         self.cell_m
     }

@@ -36,7 +36,6 @@ const TURNING: u8 = 101;
 const EXITS: u8 = 201;
 
 /// The plane around the road's beginning, with the road as its axis.
-#[must_use]
 pub fn road_plane(origin: &Origin) -> Plane {
     let (latitude, longitude) = origin.steps();
     Plane::along(Position { latitude, longitude }, origin.heading_deg.value())
@@ -75,7 +74,6 @@ struct Site {
 
 impl Frames {
     /// The units of a scenario.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         let v2x = &scenario.v2x;
         let mut sites: Vec<Site> = Vec::new();

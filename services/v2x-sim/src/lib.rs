@@ -12,15 +12,15 @@
 //! Everything except `service` and `link` is plain code: times are arguments.
 //!
 //! ```
-//! use scenario::{Scenario, builtin, v2x::Phase};
+//! use scenario::{Scenario, builtin};
 //! use v2x_sim::roadside_unit::RoadsideUnit;
 //!
 //! let corridor = Scenario::parse("corridor", builtin::find("corridor").expect("built in").text)?;
 //! let unit = RoadsideUnit::new(&corridor.v2x);
 //! let received = unit.received(0, 0.0);
-//! let (lane, movement) = received.iter().next().expect("a signal in range");
-//! assert_eq!((lane.stop_line_m, movement.events[0].phase), (300.0, Phase::Green));
-//! assert_eq!(movement.events[0].likely_end_ns, Some(27_000_000_000));
+//! let (lane, signal) = received.iter().next().expect("a signal in range");
+//! assert_eq!(lane.stop_line_m, 300.0);
+//! assert_eq!(signal.intervals[0].likely_end_s, 27.0);
 //! # Ok::<(), scenario::ScenarioError>(())
 //! ```
 

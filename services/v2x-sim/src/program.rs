@@ -49,7 +49,6 @@ pub struct Interval {
 
 impl Program {
     /// The program of a signal, which has at least one phase in a checked scenario.
-    #[must_use]
     pub fn new(signal: &Signal) -> Self {
         let mut merged: Vec<(Phase, u64)> = Vec::with_capacity(signal.program.len());
         for step in &signal.program {
@@ -74,7 +73,6 @@ impl Program {
     }
 
     /// Phase at a time since the start of the run, ns. At the instant of a change, the new phase.
-    #[must_use]
     pub fn phase_at(&self, time_ns: u64) -> Phase {
         self.phases[self.locate(time_ns).1].0
     }

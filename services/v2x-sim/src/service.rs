@@ -5,14 +5,14 @@ use crate::cell_map::{Ahead, CurveMap, GradeMap};
 use crate::frames::Frames;
 use crate::link::Link;
 use crate::report::LinkReport;
-use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
+use crate::roadside_unit::{RoadsideUnit, Signals};
+use crate::unit_clock::UnitClock;
 use its::EncodeError;
 use messages::{
-    self, Curves, EgoTruth, Header, Interval, MAX_CURVE_CELLS, Map, Origins, PhaseState, Preview,
-    RadioFrames, ServiceState, Signal, SignalTruth, Spat,
+    Curves, EgoTruth, Header, MAX_CURVE_CELLS, Map, Origins, Preview, RadioFrames, ServiceState,
+    SignalTruth, Spat,
 };
 use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError};
-use scenario::v2x::Phase;
 use scenario::{Problem, Scenario};
 
 /// Runs the roadside unit in its group, to the end of the run.
@@ -40,8 +40,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let shown = voice.truth(&unit, time_ns, ego_m);
         truth.send_with(|message| {
             message.header = header;
-            message.count = write_lanes(&shown, &mut message.lanes);
-            write_signals(&shown, &mut message.signals);
+            (message.lanes, message.signals, message.count) =
+                (shown.lanes, shown.signals, shown.count);
         })?;
         voice.send(runtime, header, &unit, ego_m)?;
         if let Some(preview) = &mut preview {
@@ -102,10 +102,10 @@ impl Voice {
     /// missing until that clock is known, and for units of other makers.
     fn truth(&self, unit: &RoadsideUnit, time_ns: u64, ego_m: f64) -> Signals {
         match self {
-            Self::Structs { .. } | Self::Frames(_) => unit.truth(time_ns, ego_m),
-            Self::Link(link) => link.unit().map_or(Signals::NONE, |clock| {
-                clock.to_vehicle(unit.truth(clock.unit_ns(time_ns), ego_m))
-            }),
+            Self::Structs { .. } | Self::Frames(_) => unit.truth(&UnitClock::OWN, time_ns, ego_m),
+            Self::Link(link) => {
+                link.unit().map_or(Signals::NONE, |clock| unit.truth(clock, time_ns, ego_m))
+            }
         }
     }
 
@@ -122,11 +122,11 @@ impl Voice {
                 let received = unit.received(time_ns, ego_m);
                 map.send_with(|message| {
                     message.header = header;
-                    message.count = write_lanes(&received, &mut message.lanes);
+                    (message.lanes, message.count) = (received.lanes, received.count);
                 })?;
                 spat.send_with(|message| {
                     message.header = header;
-                    message.count = write_signals(&received, &mut message.signals);
+                    (message.signals, message.count) = (received.signals, received.count);
                 })?;
                 Ok(())
             }
@@ -250,60 +250,5 @@ impl Bends {
             message.cell_m = self.map.cell_m();
         })?;
         Ok(())
-    }
-}
-
-/// Writes the lanes of `shown`; returns their number.
-fn write_lanes(shown: &Signals, lanes: &mut [messages::Lane]) -> u64 {
-    let mut count = 0;
-    for ((lane, _), place) in shown.iter().zip(lanes) {
-        *place = lane_on_the_wire(lane);
-        count += 1;
-    }
-    count
-}
-
-/// Writes the signals of `shown` into zeros; returns their number.
-fn write_signals(shown: &Signals, signals: &mut [Signal]) -> u64 {
-    let mut count = 0;
-    for ((_, movement), place) in shown.iter().zip(signals) {
-        write_signal(movement, place);
-        count += 1;
-    }
-    count
-}
-
-fn lane_on_the_wire(lane: &Lane) -> messages::Lane {
-    messages::Lane {
-        intersection_id: lane.intersection_id.into(),
-        signal_group: lane.signal_group.into(),
-        stop_line_m: lane.stop_line_m,
-    }
-}
-
-fn write_signal(movement: &Movement, signal: &mut Signal) {
-    signal.intersection_id = movement.intersection_id.into();
-    signal.signal_group = movement.signal_group.into();
-    signal.count = movement.count as u64;
-    let events = &movement.events[..movement.count];
-    for (interval, event) in signal.intervals.iter_mut().zip(events) {
-        *interval = interval_on_the_wire(event);
-    }
-}
-
-fn interval_on_the_wire(event: &Event) -> Interval {
-    // A phase without a planned end lasts for ever.
-    let seconds = |end_ns: Option<u64>| end_ns.map_or(f64::INFINITY, |ns| ns as f64 / 1e9);
-    let state = match event.phase {
-        Phase::Green => PhaseState::ProtectedMovementAllowed,
-        Phase::Yellow => PhaseState::ProtectedClearance,
-        Phase::Red => PhaseState::StopAndRemain,
-    };
-    Interval {
-        state: state.to_wire(),
-        confidence: event.confidence.into(),
-        min_end_s: seconds(event.min_end_ns),
-        likely_end_s: seconds(event.likely_end_ns),
-        max_end_s: seconds(event.max_end_ns),
     }
 }

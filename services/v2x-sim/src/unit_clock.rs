@@ -8,8 +8,6 @@
 //! assert_eq!(clock.unit_ns(5_000_000_000), 15_000_000_000);
 //! ```
 
-use crate::roadside_unit::Signals;
-
 /// Lead of another unit's run time over the vehicle's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnitClock {
@@ -17,32 +15,23 @@ pub struct UnitClock {
 }
 
 impl UnitClock {
+    /// The clock of a unit in the vehicle's own group.
+    pub const OWN: Self = Self { ahead_ns: 0 };
+
     /// A unit whose wall clock showed `start_ns` at its run time 0 and is `offset_ns` ahead of the vehicle's clock.
     /// The vehicle's clock showed `vehicle_start_ns` at its run time 0. All ns.
-    #[must_use]
     pub fn new(start_ns: i64, offset_ns: i64, vehicle_start_ns: i64) -> Self {
         Self { ahead_ns: vehicle_start_ns.saturating_add(offset_ns).saturating_sub(start_ns) }
     }
 
     /// The unit's run time at a run time of the vehicle, both ns; 0 before the unit started.
-    #[must_use]
     pub fn unit_ns(&self, vehicle_ns: u64) -> u64 {
         vehicle_ns.saturating_add_signed(self.ahead_ns)
     }
 
-    /// The same signals with the ends of their phases in the vehicle's run time.
-    #[must_use]
-    pub fn to_vehicle(&self, mut signals: Signals) -> Signals {
-        for movement in &mut signals.movements {
-            for event in &mut movement.events {
-                for end_ns in
-                    [&mut event.min_end_ns, &mut event.likely_end_ns, &mut event.max_end_ns]
-                {
-                    *end_ns = end_ns.map(|ns| ns.saturating_add_signed(-self.ahead_ns));
-                }
-            }
-        }
-        signals
+    /// The vehicle's run time at a run time of the unit.
+    pub fn vehicle_ns(&self, unit_ns: u64) -> u64 {
+        unit_ns.saturating_add_signed(-self.ahead_ns)
     }
 }
 
@@ -61,8 +50,8 @@ mod tests {
         assert_eq!(clock.unit_ns(5_000_000_000), 15_000_000_000);
         let text = builtin::find("corridor").expect("it is built in").text;
         let unit = RoadsideUnit::new(&Scenario::parse("corridor", text).expect("right").v2x);
-        let shown = clock.to_vehicle(unit.truth(clock.unit_ns(5_000_000_000), 0.0));
-        assert_eq!(shown.movements[0].events[0].likely_end_ns, Some(17_000_000_000));
+        let shown = unit.truth(&clock, 5_000_000_000, 0.0);
+        assert_eq!(shown.signals[0].intervals[0].likely_end_s, 17.0);
     }
 
     #[test]
