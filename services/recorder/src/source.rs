@@ -93,11 +93,6 @@ impl Window {
         Self { ahead: AHEAD_OF_HEADS, ..Self::new(source) }
     }
 
-    /// Bytes in memory.
-    pub(crate) fn held(&self) -> usize {
-        self.buffer.capacity()
-    }
-
     /// The `count` bytes at `at`, which must be in the file: the caller bounds both.
     pub(crate) fn bytes(&mut self, at: u64, count: usize) -> io::Result<&[u8]> {
         let end = at + count as u64;

@@ -119,8 +119,7 @@ fn document(recording: &Recording, survey: &Survey) -> Document {
             recording.file_bytes() as f64 / f64::from(1 << 20),
         ),
     );
-    let advised =
-        |damage: &Damage| format!("{damage}: `timegap recording recover` repairs it");
+    let advised = |damage: &Damage| format!("{damage}: `timegap recording recover` repairs it");
     for damage in lines(&survey.damage, in_words(recording, advised)) {
         add("INCOMPLETE", damage);
     }
