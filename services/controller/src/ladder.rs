@@ -5,7 +5,10 @@
 //! entries and ways back is at [`messages::level`].
 //!
 //! No law receives a target or a light from a sample that is older than the level's bound. Each level has a way back
-//! to full function. [`Ladder::restrain`] bounds a law's request while the road ahead is not seen.
+//! to full function. [`Ladder::most_mps2`] bounds a law's request while the road ahead is not seen.
+//!
+//! A release is on the first level of [`STRICTEST_FIRST`] whose state holds. [`PROOFS`] has the releases in a row by
+//! which an input or the law proves itself again.
 
 use self::caution::Caution;
 use self::departure::Departure;
@@ -31,6 +34,35 @@ const SHORTEST_STALE_S: f64 = 0.1;
 const PREDICT_S: f64 = 2.0;
 /// Time for which announced signal timing is used without a new announcement, s.
 const BELIEVE_SIGNALS_S: f64 = 5.0;
+
+/// The levels, the strictest one first.
+const STRICTEST_FIRST: [Level; 10] = [
+    Level::Silent,
+    Level::LeadLost,
+    Level::LeadPredicted,
+    Level::SensorLimited,
+    Level::EgoEstimated,
+    Level::SolveFailed,
+    Level::OutsideEnvelope,
+    Level::SignalsLost,
+    Level::SignalsDoubted,
+    Level::Full,
+];
+
+/// Parts that prove themselves again after a failure.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    Odometry,
+    Radar,
+    /// The radar after a loss that was too long to predict the lead.
+    LostRadar,
+    Signals,
+    Law,
+}
+
+/// Releases in a row without a failure that prove a part, in the order of [`Part`]. Chosen: one release may
+/// be luck, and a longer loss asks for more proof.
+const PROOFS: [u32; 5] = [2, 2, 5, 3, 3];
 
 /// Ages of the newest valid samples, s; `None` without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,23 +91,20 @@ pub enum Admission {
     Silence,
 }
 
-/// Counts releases in a row for a proven recovery.
+/// Releases that each part still has to prove itself, by [`Part`]; 0 for one in order.
 #[derive(Clone, Copy, Debug, Default)]
-struct Recovery {
-    failed: bool,
-    good: u32,
-}
+struct Recovery([u32; PROOFS.len()]);
 
 impl Recovery {
-    /// Takes whether all is well now; true while it has failed or has not proved itself again.
-    fn observe(&mut self, good: bool, proof: u32) -> bool {
-        if !good {
-            *self = Self { failed: true, good: 0 };
-        } else if self.failed {
-            self.good += 1;
-            self.failed = self.good < proof;
-        }
-        self.failed
+    /// Takes whether a part is well now; true while it has failed or has not proved itself again.
+    fn observe(&mut self, part: Part, is_well: bool) -> bool {
+        let left = &mut self.0[part as usize];
+        *left = if is_well { left.saturating_sub(1) } else { PROOFS[part as usize] };
+        self.has_failed(part)
+    }
+
+    fn has_failed(&self, part: Part) -> bool {
+        self.0[part as usize] > 0
     }
 }
 
@@ -86,13 +115,8 @@ pub struct Ladder {
     stale_spat_s: f64,
     stale_odometry_s: f64,
     has_signals: bool,
-    odometry: Recovery,
-    radar: Recovery,
-    lead: Recovery,
-    found: Recovery,
+    recovery: Recovery,
     radar_is_fresh: bool,
-    signals: Recovery,
-    solve: Recovery,
     memory: LeadMemory,
     caution: Caution,
     departure: Departure,
@@ -118,13 +142,8 @@ impl Ladder {
             stale_spat_s: stale(scenario.v2x.period_ms.value()),
             stale_odometry_s: stale(scenario.plant.period_ms.value()),
             has_signals: !scenario.v2x.signals.is_empty(),
-            odometry: Recovery::default(),
-            radar: Recovery::default(),
-            lead: Recovery::default(),
-            found: Recovery::default(),
+            recovery: Recovery::default(),
             radar_is_fresh: false,
-            signals: Recovery::default(),
-            solve: Recovery::default(),
             memory: LeadMemory::default(),
             caution: Caution::default(),
             departure: Departure::default(),
@@ -143,22 +162,20 @@ impl Ladder {
         let radar = fresh(ages.radar_s, self.stale_radar_s);
         let since_s = *self.remembered_s.get_or_insert(time_s);
         let radar_s = ages.radar_s.unwrap_or(time_s - since_s);
-        let silent = self.odometry.observe(odometry, 2);
-        let lost = self.lead.observe(radar_s <= self.stale_radar_s + PREDICT_S, 1);
-        // Lost signals are found again by fresh samples alone.
-        let lost = self.found.observe(radar || !(lost || self.found.failed), 5);
-        let predicted = self.radar.observe(radar, 2);
-        let signals_lost = self.signals.observe(spat, 3);
+        let is_predictable = radar_s <= self.stale_radar_s + PREDICT_S;
+        // A lost radar is found again by fresh samples alone.
+        let keeps = is_predictable && !self.recovery.has_failed(Part::LostRadar);
+        let states = [
+            (Level::Silent, self.recovery.observe(Part::Odometry, odometry)),
+            (Level::LeadLost, self.recovery.observe(Part::LostRadar, radar || keeps)),
+            (Level::LeadPredicted, self.recovery.observe(Part::Radar, radar)),
+            (Level::EgoEstimated, ages.ego_is_estimated),
+            (Level::SignalsLost, self.recovery.observe(Part::Signals, spat)),
+            (Level::SignalsDoubted, ages.signals_doubted),
+        ];
+        self.level = Level::Full;
+        states.into_iter().for_each(|(level, holds)| self.enter_if(holds, level));
         self.radar_is_fresh = radar;
-        self.level = match (silent, lost, predicted, signals_lost) {
-            (true, ..) => Level::Silent,
-            (_, true, ..) => Level::LeadLost,
-            (_, _, true, _) => Level::LeadPredicted,
-            _ if ages.ego_is_estimated => Level::EgoEstimated,
-            (.., true) => Level::SignalsLost,
-            _ if ages.signals_doubted => Level::SignalsDoubted,
-            _ => Level::Full,
-        };
         match ages.spat_s {
             _ if spat => SignalTrust::Announced,
             Some(age_s) if age_s <= BELIEVE_SIGNALS_S => SignalTrust::Proven,
@@ -178,21 +195,17 @@ impl Ladder {
         if self.radar_is_fresh {
             self.remembered_s = Some(input.time_s);
             input.target = self.memory.see(input, radar.map_or(&[], RadarTracks::listed));
-            if self.memory.is_missed() {
-                self.enter_if_mild(Level::LeadPredicted);
-            }
+            self.enter_if(self.memory.is_missed(), Level::LeadPredicted);
         } else if unseen_s > self.stale_radar_s + PREDICT_S {
             // Radar came while the ego's motion was not known: it was of no use then.
-            self.found = Recovery { failed: true, good: 0 };
-            self.level = Level::LeadLost;
+            let is_lost = self.recovery.observe(Part::LostRadar, false);
+            self.enter_if(is_lost, Level::LeadLost);
         } else {
             let last = self.memory.last();
             input.target = last.map(|last| last.at(&input.ego, input.time_s));
         }
         let sight = self.caution.settle(radar.map(RadarTracks::sight), input.period_s);
-        if Caution::heed(sight, input) {
-            self.enter_if_mild(Level::SensorLimited);
-        }
+        self.enter_if(Caution::heed(sight, input), Level::SensorLimited);
         let is_blind =
             self.memory.is_missed() || unseen_s > self.stale_radar_s || sight == Sight::Blind;
         self.caution.observe(is_blind, input);
@@ -201,29 +214,27 @@ impl Ladder {
         if self.level == Level::LeadLost { Admission::Brake } else { Admission::Law }
     }
 
-    /// Enters a level unless a stricter one holds: signals and an estimated ego are milder.
-    fn enter_if_mild(&mut self, level: Level) {
-        if is_mildest(self.level) || self.level == Level::EgoEstimated {
+    /// Enters a level whose state holds, unless a stricter one does.
+    fn enter_if(&mut self, holds: bool, level: Level) {
+        let strictness = |level| STRICTEST_FIRST.iter().position(|one| *one == level);
+        if holds && strictness(level) < strictness(self.level) {
             self.level = level;
         }
     }
 
-    /// Bounds the law's request while the road ahead is not seen, and for a while after.
-    pub fn restrain(&self, output: &mut Output) {
-        output.bound_from_above(self.caution.most_mps2().min(self.departure.most_mps2()));
+    /// The law's largest request while the road ahead is not seen, and for a while after, m/s²; infinite otherwise.
+    #[must_use]
+    pub fn most_mps2(&self) -> f64 {
+        self.caution.most_mps2().min(self.departure.most_mps2())
     }
 
     /// Takes what the law made of it and whether the last cycle was in time; returns the level.
     pub fn settle(&mut self, output: &Output, in_time: bool) -> Level {
         self.last_request_mps2 = output.request_mps2();
         let solved = in_time && output.quality != Quality::Backup;
-        if self.solve.observe(solved, 3) && is_mildest(self.level) {
-            self.level = Level::SolveFailed;
-        }
-        // Not before what asks for more than it.
-        if output.quality == Quality::FallBack && is_mildest(self.level) {
-            self.level = Level::OutsideEnvelope;
-        }
+        let failed = self.recovery.observe(Part::Law, solved);
+        self.enter_if(failed, Level::SolveFailed);
+        self.enter_if(output.quality == Quality::FallBack, Level::OutsideEnvelope);
         self.level
     }
 
@@ -249,11 +260,6 @@ impl Ladder {
         blind::fill(&mut output.plan_mps2, request, deceleration, period_s);
         output.plan_len = MAX_PLAN;
     }
-}
-
-/// True for the levels that give way to all others.
-fn is_mildest(level: Level) -> bool {
-    matches!(level, Level::Full | Level::SignalsDoubted | Level::SignalsLost)
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
-//! The control loop: sample, decide, publish.
+//! The control loop: wait, sample, decide, ask the law, bound its request, publish.
 
 mod account;
 mod curves;
+mod inputs;
 mod publication;
 
 use self::account::Account;
 use self::curves::CurveTopics;
+use self::inputs::Inputs;
 use crate::ladder::{Admission, Ages, Ladder};
 use crate::law::{
     Descriptor, Formulation, Input, Law, MAX_FIGURES, MAX_PLAN, Output, TargetSource,
@@ -17,14 +19,11 @@ use crate::plausibility::{Plausibility, TrustedInputs};
 use crate::report::ControllerReport;
 use crate::sampling::{Samples, Setting, input};
 use messages::level::Level;
-use messages::{
-    Command, Diagnostics, FIGURES, Header, Map, Odometry, Origin, Origins, PLAN_LEN, Powertrain,
-    Preview, RadarTracks, Service, ServiceState, Spat,
-};
+use messages::{Command, Diagnostics, FIGURES, Header, PLAN_LEN, Service, ServiceState};
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{
     Cycle, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, ServiceCounts,
-    Subscriber, monotonic_ns,
+    monotonic_ns,
 };
 use scenario::{Scenario, controller};
 use std::time::Duration;
@@ -103,12 +102,6 @@ pub fn serve(law: &'static Descriptor) -> std::process::ExitCode {
     runtime::run_service(Service::Controller, &arguments, |joined| run_law(joined, law))
 }
 
-/// Topics about a truck and its road.
-struct TruckTopics {
-    powertrain: Subscriber<Powertrain>,
-    preview: Subscriber<Preview>,
-}
-
 struct Loop {
     law: Box<dyn Law>,
     /// Name of the law in results.
@@ -120,14 +113,7 @@ struct Loop {
     plan_period_ns: i64,
     deadline_ns: i64,
     fallback_ns: i64,
-    odometry: Subscriber<Odometry>,
-    radar: Subscriber<RadarTracks>,
-    spat: Subscriber<Spat>,
-    map: Subscriber<Map>,
-    /// Parts that a truck alone has.
-    truck: Option<TruckTopics>,
-    /// Parts that only a road with a plan has.
-    curves: Option<CurveTopics>,
+    inputs: Inputs,
     command: Publisher<Command>,
     diagnostics: Publisher<Diagnostics>,
     output: Output,
@@ -177,20 +163,7 @@ impl Loop {
             plan_period_ns: period_ns,
             deadline_ns: i64::from(scenario.controller.deadline().value()) * 1_000_000,
             fallback_ns: (period_ns as f64 * FALLBACK) as i64,
-            odometry: runtime.subscriber()?,
-            radar: match release {
-                controller::Release::Radar => runtime.releasing_subscriber()?,
-                controller::Release::Timer => runtime.subscriber()?,
-            },
-            spat: runtime.subscriber()?,
-            map: runtime.subscriber()?,
-            truck: if scenario.plant.vehicle.is_truck() {
-                let powertrain = runtime.subscriber()?;
-                Some(TruckTopics { powertrain, preview: runtime.subscriber()? })
-            } else {
-                None
-            },
-            curves: CurveTopics::open(runtime, scenario)?,
+            inputs: Inputs::open(runtime, scenario)?,
             command: runtime.publisher()?,
             diagnostics: runtime.publisher()?,
             output,
@@ -206,100 +179,17 @@ impl Loop {
     fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
         let release = match self.release {
             controller::Release::Radar => {
-                runtime.next_release_by(&mut self.radar, self.fallback_ns)?
+                runtime.next_release_by(&mut self.inputs.radar, self.fallback_ns)?
             }
             controller::Release::Timer => runtime.next_release(Overrun::Skip)?,
         };
         let Some(release) = release else { return Ok(Cycle::Last) };
         let before = runtime.usage();
-        // The radar's sample comes last: after waiting for it the others are there.
-        runtime.update(&mut self.radar)?;
-        runtime.update(&mut self.odometry)?;
-        runtime.update(&mut self.spat)?;
-        runtime.update(&mut self.map)?;
-        if let Some(truck) = &mut self.truck {
-            runtime.update(&mut truck.powertrain)?;
-            runtime.update(&mut truck.preview)?;
-        }
-        if let Some(curves) = &mut self.curves {
-            curves.update(runtime)?;
-        }
-
-        let origins = Origins {
-            odometry: self.odometry.origin(),
-            radar: self.radar.origin(),
-            spat: self.spat.origin(),
-            map: self.map.origin(),
-            powertrain: self.truck.as_ref().map_or(Origin::NONE, |truck| truck.powertrain.origin()),
-            preview: self.truck.as_ref().map_or_else(
-                || self.curves.as_ref().map_or(Origin::NONE, CurveTopics::map_origin),
-                |truck| truck.preview.origin(),
-            ),
-        };
-        let header = Header::new(release.step, release.scheduled_ns, origins);
-        let commanded_mps2 = self.output.request_mps2();
-        let TrustedInputs { odometry, radar, spat, signals_doubted } = self.plausibility.look(
-            self.odometry.newest(),
-            self.radar.newest(),
-            self.spat.newest(),
-            commanded_mps2,
-            release.time_s,
-        );
-        let age = |acquisition_ns: i64| release.time_s - acquisition_ns as f64 / 1e9;
-        let fresh = odometry.filter(|odometry| {
-            age(odometry.header.acquisition_ns) <= self.ladder.stale_odometry_s()
-        });
-        let ego = match fresh {
-            Some(odometry) => {
-                self.estimate.believe(odometry, release.time_s);
-                Some(odometry)
-            }
-            None => self.estimate.advance(radar, commanded_mps2, release.time_s),
-        };
-        let samples = Samples {
-            odometry: ego,
-            radar,
-            spat,
-            map: self.map.newest(),
-            powertrain: self.truck.as_ref().and_then(|truck| {
-                truck.powertrain.newest().filter(|powertrain| {
-                    // The grade is what it shows beyond odometry's acceleration of the same time.
-                    fresh.is_some()
-                        && age(powertrain.header.acquisition_ns) <= self.ladder.stale_odometry_s()
-                })
-            }),
-            preview: self.truck.as_ref().and_then(|truck| truck.preview.newest()),
-        };
-        let ages = Ages {
-            odometry_s: ego.map(|odometry| age(odometry.header.acquisition_ns)),
-            radar_s: radar.map(|radar| age(radar.header.acquisition_ns)),
-            spat_s: spat.map(|spat| age(spat.header.acquisition_ns)),
-            ego_is_estimated: fresh.is_none(),
-            signals_doubted,
-        };
-        let trust = self.ladder.look(&ages, release.time_s);
-        let mut input = input(&self.setting, &samples, trust, release.time_s);
-        if let Some(curves) = &mut self.curves {
-            curves.cap(&mut input, commanded_mps2);
-        }
-        let admission = self.ladder.admit(&mut input, radar);
+        self.inputs.update(runtime)?;
+        let header = Header::new(release.step, release.scheduled_ns, self.inputs.origins());
+        let (input, admission) = self.decide(&release);
         match admission {
-            Admission::Law => {
-                if self.braked {
-                    // Its state predates the braking.
-                    self.law.reset();
-                }
-                if let Some(planning) = &mut self.planning {
-                    planning.before_step(self.law.as_mut(), &release);
-                }
-                let begun = monotonic_ns();
-                self.step(runtime, &release, &input)?;
-                self.ladder.restrain(&mut self.output);
-                if let Some(curves) = &self.curves {
-                    curves.restrain(&mut self.output);
-                }
-                self.solve.record_ns(monotonic_ns() - begun);
-            }
+            Admission::Law => self.drive(runtime, &release, &input)?,
             Admission::Brake => {
                 let bounds = self.law.request_bounds_mps2();
                 self.ladder.brake(&input.ego, self.setting.period_s, bounds, &mut self.output);
@@ -312,8 +202,9 @@ impl Loop {
         }
         self.braked = admission == Admission::Brake;
 
+        let radar = self.inputs.radar.newest();
         let radar_release_ns =
-            self.radar.newest().map_or(-1, |radar| runtime.clock().scheduled_ns(radar.header.step));
+            radar.map_or(-1, |radar| runtime.clock().scheduled_ns(radar.header.step));
         let used = runtime.usage().since(&before);
         let mut command = self.command.loan()?;
         self.write_command(&mut command, header, &release, radar_release_ns, &used);
@@ -334,6 +225,72 @@ impl Loop {
             if level == Level::Full { ServiceState::Running } else { ServiceState::Degraded };
         runtime.end_cycle(state)?;
         Ok(Cycle::Next)
+    }
+
+    /// What the inputs still allow: the law's input, and who drives.
+    fn decide(&mut self, release: &Release) -> (Input, Admission) {
+        let time_s = release.time_s;
+        let commanded_mps2 = self.output.request_mps2();
+        let TrustedInputs { odometry, radar, spat, signals_doubted } = self.plausibility.look(
+            self.inputs.odometry.newest(),
+            self.inputs.radar.newest(),
+            self.inputs.spat.newest(),
+            commanded_mps2,
+            time_s,
+        );
+        let age = |acquisition_ns: i64| time_s - acquisition_ns as f64 / 1e9;
+        let stale_s = self.ladder.stale_odometry_s();
+        let fresh = odometry.filter(|odometry| age(odometry.header.acquisition_ns) <= stale_s);
+        let ego = match fresh {
+            Some(odometry) => {
+                self.estimate.believe(odometry, time_s);
+                Some(odometry)
+            }
+            None => self.estimate.advance(radar, commanded_mps2, time_s),
+        };
+        let powertrain = self.inputs.powertrain().filter(|powertrain| {
+            // The grade is what it shows beyond odometry's acceleration of the same time.
+            fresh.is_some() && age(powertrain.header.acquisition_ns) <= stale_s
+        });
+        let (map, preview) = (self.inputs.map.newest(), self.inputs.preview());
+        let samples = Samples { odometry: ego, radar, spat, map, powertrain, preview };
+        let ages = Ages {
+            odometry_s: ego.map(|odometry| age(odometry.header.acquisition_ns)),
+            radar_s: radar.map(|radar| age(radar.header.acquisition_ns)),
+            spat_s: spat.map(|spat| age(spat.header.acquisition_ns)),
+            ego_is_estimated: fresh.is_none(),
+            signals_doubted,
+        };
+        let trust = self.ladder.look(&ages, time_s);
+        let mut input = input(&self.setting, &samples, trust, time_s);
+        if let Some(curves) = &mut self.inputs.curves {
+            curves.cap(&mut input, commanded_mps2);
+        }
+        let admission = self.ladder.admit(&mut input, radar);
+        (input, admission)
+    }
+
+    /// One step of the law, and the only place at which its request is bounded.
+    fn drive(
+        &mut self,
+        runtime: &Runtime,
+        release: &Release,
+        input: &Input,
+    ) -> Result<(), RuntimeError> {
+        if self.braked {
+            // Its state predates the braking.
+            self.law.reset();
+        }
+        if let Some(planning) = &mut self.planning {
+            planning.before_step(self.law.as_mut(), release);
+        }
+        let begun = monotonic_ns();
+        self.step(runtime, release, input)?;
+        let in_curves_mps2 =
+            self.inputs.curves.as_ref().map_or(f64::INFINITY, CurveTopics::most_mps2);
+        self.output.bound_from_above(self.ladder.most_mps2().min(in_curves_mps2));
+        self.solve.record_ns(monotonic_ns() - begun);
+        Ok(())
     }
 
     /// Asks the law.

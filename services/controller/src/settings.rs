@@ -1,17 +1,18 @@
 //! Reading and checking of the laws' settings: one error type, one wording.
 
+use parameters::Row;
 use scenario::Problem;
 use scenario::controller::Controller;
 use scenario::schema::{self, Key, Schema, Shape};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::collections::BTreeMap;
+use std::fmt;
 use thiserror::Error;
 
 /// A law's own table in a scenario file, as a type. Every key has a default.
 pub trait Settings: Default + DeserializeOwned + Schema + Serialize {
-    /// Shows every number with its range, in the order in which they are checked.
-    fn ranges(&self, see: &mut Ranges<'_>);
+    /// Its numbers, in the order in which they are checked.
+    fn numbers(&self) -> Vec<Number>;
 
     /// Checks what depends on several keys.
     ///
@@ -26,58 +27,50 @@ pub trait Settings: Default + DeserializeOwned + Schema + Serialize {
     /// # Errors
     /// The first key that is not usable.
     fn check(&self) -> Result<(), SettingError> {
-        let mut found = Ok(());
-        self.ranges(&mut Ranges(&mut |key, value, range| {
-            if found.is_ok() {
-                found = value.map_or(Ok(()), |value| range.check(key, value));
-            }
-        }));
-        found?;
+        self.numbers().iter().try_for_each(Number::check)?;
         self.check_together()
     }
 }
 
-/// Takes the ranges of a table's numbers. A number may be absent.
-pub struct Ranges<'a>(&'a mut dyn FnMut(&'static str, Option<f64>, Range));
-
-impl Ranges<'_> {
-    /// `least <= value <= most`.
-    pub fn within(&mut self, key: &'static str, value: f64, least: f64, most: f64) {
-        self.optional(key, Some(value), least, most);
-    }
-
-    /// `above < value <= most`.
-    pub fn above(&mut self, key: &'static str, value: f64, above: f64, most: f64) {
-        (self.0)(key, Some(value), Range::Above(above, most));
-    }
-
-    /// `least <= value <= most`, if there is a value.
-    pub fn optional(&mut self, key: &'static str, value: Option<f64>, least: f64, most: f64) {
-        (self.0)(key, value, Range::Within(least, most));
-    }
+/// A number of a law's table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// Its key in the law's table; the keys of a table below are dotted.
+    key: String,
+    value: Option<f64>,
+    row: &'static Row,
 }
 
-/// The range of a number.
-#[derive(Clone, Copy, Debug)]
-enum Range {
-    Within(f64, f64),
-    Above(f64, f64),
-}
+impl Number {
+    /// The numbers of `table`, whose keys begin with `prefix`.
+    pub fn of<T: parameters::Table>(prefix: &str, table: &T) -> Vec<Self> {
+        let number = |(place, row): (usize, &'static Row)| Self {
+            key: format!("{prefix}{}", row.name),
+            value: table.number(place),
+            row,
+        };
+        T::ROWS.iter().enumerate().map(number).collect()
+    }
 
-impl Range {
-    fn check(self, key: &'static str, value: f64) -> Result<(), SettingError> {
-        match self {
-            Self::Within(least, most) => within(key, value, least, most),
-            Self::Above(bound, most) => above(key, value, bound, most),
+    /// Checks that a value that is there is within its range.
+    ///
+    /// # Errors
+    /// Key, value and range.
+    pub fn check(&self) -> Result<(), SettingError> {
+        match self.value {
+            Some(value) if !self.row.accepts(value) => Err(self.refusal(value)),
+            _ => Ok(()),
         }
     }
 
     /// The refusal of `value`, which has the range in words.
-    fn refusal(self, key: &'static str, value: f64) -> SettingError {
-        match self {
-            Self::Within(least, most) => SettingError::OutOfRange { key, value, least, most },
-            Self::Above(above, most) => SettingError::NotAbove { key, value, above, most },
-        }
+    fn refusal(&self, value: f64) -> SettingError {
+        let (least, most) = self.row.range;
+        let expected = match self.row.excludes_least {
+            true => Expected::Above(least, most),
+            false => Expected::Within(least, most),
+        };
+        SettingError { key: self.key.clone(), value, expected }
     }
 }
 
@@ -108,33 +101,26 @@ impl Table {
     pub const fn of<T: Settings>(name: &'static str) -> Self {
         Self {
             name,
-            keys: keys::<T>,
+            keys: || {
+                let mut keys = schema::keys_of::<T>();
+                put_ranges(&mut keys, "", &T::default().numbers());
+                keys
+            },
             check: |controller, name| read::<T>(controller, name).map(drop),
         }
     }
 }
 
-/// The keys of a law's table, with the ranges that its check holds them to.
-fn keys<T: Settings>() -> Vec<Key> {
-    let mut ranges = BTreeMap::new();
-    T::default().ranges(&mut Ranges(&mut |key, value, range| {
-        ranges.insert(key, range.refusal(key, value.unwrap_or_default()));
-    }));
-    let mut keys = schema::keys_of::<T>();
-    put_ranges(&mut keys, "", &ranges);
-    keys
-}
-
-/// Puts the ranges beside the keys of the table at this path.
-fn put_ranges(keys: &mut [Key], path: &str, ranges: &BTreeMap<&'static str, SettingError>) {
+/// Puts the ranges of `numbers` beside the keys of the table at this path.
+fn put_ranges(keys: &mut [Key], path: &str, numbers: &[Number]) {
     for Key { name, shape, expected, .. } in keys {
         let path = format!("{path}{name}");
         match shape {
-            Shape::Table(below) => put_ranges(below, &format!("{path}."), ranges),
+            Shape::Table(below) => put_ranges(below, &format!("{path}."), numbers),
             Shape::Number { range, .. } => {
-                if let Some(refusal) = ranges.get(path.as_str()) {
-                    *expected = Some(refusal.expected());
-                    *range = refusal.range();
+                if let Some(number) = numbers.iter().find(|number| number.key == path) {
+                    *expected = Some(number.refusal(f64::NAN).expected());
+                    *range = Some(number.row.range);
                 }
             }
             _ => {}
@@ -142,101 +128,65 @@ fn put_ranges(keys: &mut [Key], path: &str, ranges: &BTreeMap<&'static str, Sett
     }
 }
 
-/// A setting that a law refuses. The key is relative to the law's table.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum SettingError {
-    /// Outside its range.
-    #[error("{}, expected {}", self.message(), self.expected())]
-    OutOfRange {
-        /// The key.
-        key: &'static str,
-        /// Its value.
-        value: f64,
-        /// Smallest value.
-        least: f64,
-        /// Largest value.
-        most: f64,
-    },
-    /// Not above its lower bound, or above the upper one.
-    #[error("{}, expected {}", self.message(), self.expected())]
-    NotAbove {
-        /// The key.
-        key: &'static str,
-        /// Its value.
-        value: f64,
-        /// Limit that it must exceed.
-        above: f64,
-        /// Largest value.
-        most: f64,
-    },
-    /// Not below the value of another key.
-    #[error("{}, expected {}", self.message(), self.expected())]
-    NotBelow {
-        /// The key.
-        key: &'static str,
-        /// Its value.
-        value: f64,
-        /// The other key.
-        other: &'static str,
-        /// The other key's value.
-        limit: f64,
-    },
+/// A setting that a law refuses.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{}, expected {expected}", self.message())]
+pub struct SettingError {
+    /// The key, relative to the law's table.
+    key: String,
+    value: f64,
+    expected: Expected,
+}
+
+/// Accepted values.
+#[derive(Clone, Debug, PartialEq)]
+enum Expected {
+    Within(f64, f64),
+    /// The least value is not accepted.
+    Above(f64, f64),
+    /// Below the value of another key.
+    Below(String, f64),
+}
+
+impl fmt::Display for Expected {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Within(least, most) => write!(f, "a number from {least} to {most}"),
+            Self::Above(least, most) => write!(f, "a number above {least} and at most {most}"),
+            Self::Below(other, limit) => write!(f, "a number below {other} ({limit})"),
+        }
+    }
 }
 
 impl SettingError {
     /// The key that is refused.
     #[must_use]
-    pub fn key(&self) -> &'static str {
-        match *self {
-            Self::OutOfRange { key, .. }
-            | Self::NotAbove { key, .. }
-            | Self::NotBelow { key, .. } => key,
-        }
+    pub fn key(&self) -> &str {
+        &self.key
     }
 
     /// The fault.
     #[must_use]
     pub fn message(&self) -> String {
-        match self {
-            Self::OutOfRange { key, value, .. } | Self::NotAbove { key, value, .. } => {
-                format!("{key} = {value} is out of range")
-            }
-            Self::NotBelow { key, value, .. } => format!("{key} = {value} is too large"),
-        }
+        let fault = match self.expected {
+            Expected::Within(..) | Expected::Above(..) => "out of range",
+            Expected::Below(..) => "too large",
+        };
+        format!("{} = {} is {fault}", self.key, self.value)
     }
 
     /// Accepted values in words.
     #[must_use]
     pub fn expected(&self) -> String {
-        match self {
-            Self::OutOfRange { least, most, .. } => format!("a number from {least} to {most}"),
-            Self::NotAbove { above, most, .. } => {
-                format!("a number above {above} and at most {most}")
-            }
-            Self::NotBelow { other, limit, .. } => format!("a number below {other} ({limit})"),
-        }
-    }
-
-    /// The ends of the range, where it depends on no other key.
-    #[must_use]
-    pub fn range(&self) -> Option<(f64, f64)> {
-        match *self {
-            Self::OutOfRange { least, most, .. } => Some((least, most)),
-            Self::NotAbove { above, most, .. } => Some((above, most)),
-            Self::NotBelow { .. } => None,
-        }
+        self.expected.to_string()
     }
 
     /// The same with its keys renamed.
     #[must_use]
-    pub fn renamed(mut self, name: impl Fn(&'static str) -> &'static str) -> Self {
-        if let Self::NotBelow { other, .. } = &mut self {
-            *other = name(other);
-        }
-        match &mut self {
-            Self::OutOfRange { key, .. }
-            | Self::NotAbove { key, .. }
-            | Self::NotBelow { key, .. } => *key = name(key),
+    pub fn renamed(mut self, name: impl Fn(&str) -> &str) -> Self {
+        self.key = name(&self.key).to_owned();
+        if let Expected::Below(other, _) = &mut self.expected {
+            *other = name(other).to_owned();
         }
         self
     }
@@ -246,60 +196,50 @@ impl SettingError {
     pub fn in_ms(mut self) -> Self {
         // A thousandth has no exact form: what was typed is shown.
         let scale = |number: &mut f64| *number = (*number * 1e9).round() / 1e6;
-        match &mut self {
-            Self::OutOfRange { value, least, most, .. } => [value, least, most].map(scale),
-            Self::NotAbove { value, above, most, .. } => [value, above, most].map(scale),
-            Self::NotBelow { value, limit, .. } => {
-                scale(value);
-                scale(limit);
-                [(); 3]
+        scale(&mut self.value);
+        match &mut self.expected {
+            Expected::Within(least, most) | Expected::Above(least, most) => {
+                [least, most].into_iter().for_each(scale);
             }
-        };
+            Expected::Below(_, limit) => scale(limit),
+        }
         self
     }
 
     /// The error at its place in a scenario file: `table` is the dotted path of the law's table.
     #[must_use]
     pub fn in_table(&self, table: &str) -> Problem {
-        Problem::new(format!("{table}.{}", self.key()), self.message(), self.expected())
+        Problem::new(format!("{table}.{}", self.key), self.message(), self.expected())
     }
 }
 
 /// Accepts `least <= value <= most`; NaN is refused.
 ///
 /// # Errors
-/// [`SettingError::OutOfRange`].
-pub fn within(key: &'static str, value: f64, least: f64, most: f64) -> Result<(), SettingError> {
-    if (least..=most).contains(&value) {
-        Ok(())
-    } else {
-        Err(SettingError::OutOfRange { key, value, least, most })
-    }
+/// Key, value and range.
+pub fn within(key: &str, value: f64, least: f64, most: f64) -> Result<(), SettingError> {
+    let refused = Expected::Within(least, most);
+    accept((least..=most).contains(&value), key, value, refused)
 }
 
 /// Accepts `above < value <= most`; NaN is refused.
 ///
 /// # Errors
-/// [`SettingError::NotAbove`].
-pub fn above(key: &'static str, value: f64, above: f64, most: f64) -> Result<(), SettingError> {
-    if value > above && value <= most {
-        Ok(())
-    } else {
-        Err(SettingError::NotAbove { key, value, above, most })
-    }
+/// Key, value and range.
+pub fn above(key: &str, value: f64, above: f64, most: f64) -> Result<(), SettingError> {
+    accept(value > above && value <= most, key, value, Expected::Above(above, most))
 }
 
 /// Accepts a value below another key's; NaN is refused.
 ///
 /// # Errors
-/// [`SettingError::NotBelow`].
-pub fn below(
-    key: &'static str,
-    value: f64,
-    other: &'static str,
-    limit: f64,
-) -> Result<(), SettingError> {
-    if value < limit { Ok(()) } else { Err(SettingError::NotBelow { key, value, other, limit }) }
+/// Both keys with their values.
+pub fn below(key: &str, value: f64, other: &str, limit: f64) -> Result<(), SettingError> {
+    accept(value < limit, key, value, Expected::Below(other.to_owned(), limit))
+}
+
+fn accept(holds: bool, key: &str, value: f64, expected: Expected) -> Result<(), SettingError> {
+    if holds { Ok(()) } else { Err(SettingError { key: key.to_owned(), value, expected }) }
 }
 
 #[cfg(test)]

@@ -54,25 +54,41 @@ pub struct Row {
     pub unit: &'static str,
     /// Least and greatest value that makes sense.
     pub range: (f64, f64),
+    /// The value must be above the least one.
+    pub excludes_least: bool,
     /// Source of the value, or how it was chosen and what a change of it does.
     pub origin: &'static str,
 }
 
+impl Row {
+    /// True if a value is within the range; NaN is not.
+    #[must_use]
+    pub fn accepts(&self, value: f64) -> bool {
+        let (least, most) = self.range;
+        (least..=most).contains(&value) && !(self.excludes_least && value == least)
+    }
+}
+
 /// A struct whose fields are the numbers of a model.
-pub trait Table: Copy {
+pub trait Table: Clone {
     /// All rows, in the order of the fields.
     const ROWS: &'static [Row];
 
-    /// The value in row `row`.
-    fn value(&self, row: usize) -> f64;
+    /// The value in row `row`, unless it is absent.
+    fn number(&self, row: usize) -> Option<f64>;
 
     /// The table with `value` in row `row`; a count is rounded.
     #[must_use]
-    fn with(self, row: usize, value: f64) -> Self;
+    fn with(&self, row: usize, value: f64) -> Self;
+
+    /// The value in row `row`; NaN for an absent one.
+    fn value(&self, row: usize) -> f64 {
+        self.number(row).unwrap_or(f64::NAN)
+    }
 
     /// The table with the value in row `row` times `factor`, within its range. A count changes by one at least.
     #[must_use]
-    fn scaled(self, row: usize, factor: f64) -> Self {
+    fn scaled(&self, row: usize, factor: f64) -> Self {
         let (value, (least, most)) = (self.value(row), Self::ROWS[row].range);
         let scaled = self.with(row, (value * factor).clamp(least, most));
         if scaled.value(row) != value {
@@ -84,23 +100,22 @@ pub trait Table: Copy {
     /// True if each value is within the range of its row.
     #[must_use]
     fn within_ranges(&self) -> bool {
-        Self::ROWS.iter().enumerate().all(|(row, Row { range: (least, most), .. })| {
-            (*least..=*most).contains(&self.value(row))
-        })
+        let mut rows = Self::ROWS.iter().enumerate();
+        rows.all(|(place, row)| self.number(place).is_none_or(|value| row.accepts(value)))
     }
 }
 
 /// A type that a number of a table can have.
 pub trait Number: Copy {
-    /// The number as a float.
-    fn to_f64(self) -> f64;
+    /// The number as a float, unless it is absent.
+    fn number(self) -> Option<f64>;
     /// The nearest number of this type.
     fn from_f64(value: f64) -> Self;
 }
 
 impl Number for f64 {
-    fn to_f64(self) -> f64 {
-        self
+    fn number(self) -> Option<f64> {
+        Some(self)
     }
 
     fn from_f64(value: f64) -> Self {
@@ -109,8 +124,8 @@ impl Number for f64 {
 }
 
 impl Number for u32 {
-    fn to_f64(self) -> f64 {
-        self.into()
+    fn number(self) -> Option<f64> {
+        Some(self.into())
     }
 
     fn from_f64(value: f64) -> Self {
@@ -118,48 +133,72 @@ impl Number for u32 {
     }
 }
 
+impl Number for Option<f64> {
+    fn number(self) -> Option<f64> {
+        self
+    }
+
+    fn from_f64(value: f64) -> Self {
+        Some(value)
+    }
+}
+
 /// Declares a struct of parameters: see [the crate's example](crate). A row is
-/// `name: type = value, "unit", least..=greatest, "origin";`, and the type is `f64` or `u32`.
+/// `name: type = value, "unit", least..=greatest, "origin";`. The type is `f64`, `u32`, or `Option<f64>` with the value
+/// `None`. `above least..=greatest` leaves the least value out. Fields that are no numbers follow as
+/// `others { name: type = value; }`. Such a table has a `Default` and no constant, and is not `Copy` by itself.
 #[macro_export]
 macro_rules! parameters {
+    (@excludes) => { false };
+    (@excludes above) => { true };
+    (@constant $table:ident { $($values:tt)* }) => {
+        impl Copy for $table {}
+
+        impl $table {
+            /// The values of the table.
+            pub const DEFAULT: Self = Self { $($values)* };
+        }
+    };
+    (@constant $table:ident { $($values:tt)* } $($other:ident)+) => {};
     (
         $(#[$about:meta])*
         $seen:vis struct $table:ident {
             $(
-                $(#[$doc:meta])*
-                $name:ident: $number:ty = $value:literal, $unit:literal, $least:literal..=$most:literal,
-                $origin:literal;
+                $(#[$doc:meta])+
+                $name:ident: $number:ty = $($value:literal)? $($absent:ident)?, $unit:literal,
+                $($above:ident)? $least:literal..=$most:literal, $origin:literal;
             )+
+            $(others {
+                $($(#[$other_doc:meta])+ $other:ident: $kind:ty = $usual:expr;)+
+            })?
         }
     ) => {
         $(#[$about])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Debug, PartialEq)]
         $seen struct $table {
             $(
-                $(#[$doc])*
+                $(#[$doc])+
                 #[doc = concat!(
-                    "\n`", stringify!($value), "` ", $unit, ", from ", stringify!($least), " to ",
-                    stringify!($most), ". ", $origin
+                    "\n`", $(stringify!($value),)? $(stringify!($absent),)? "` ", $unit, ", from ",
+                    $(stringify!($above), " ",)? stringify!($least), " to ", stringify!($most), ". ", $origin
                 )]
                 pub $name: $number,
             )+
+            $($($(#[$other_doc])+ pub $other: $kind,)+)?
         }
 
-        $(
+        $($(
             const _: () = assert!(
                 $least as f64 <= $value as f64 && $value as f64 <= $most as f64,
                 concat!(stringify!($name), " is out of its range"),
             );
-        )+
+        )?)+
 
-        impl $table {
-            /// The values of the table.
-            pub const DEFAULT: Self = Self { $($name: $value,)+ };
-        }
+        $crate::parameters!(@constant $table { $($name: $($value)? $($absent)?,)+ } $($($other)+)?);
 
         impl Default for $table {
             fn default() -> Self {
-                Self::DEFAULT
+                Self { $($name: $($value)? $($absent)?,)+ $($($other: $usual,)+)? }
             }
         }
 
@@ -169,24 +208,25 @@ macro_rules! parameters {
                     name: stringify!($name),
                     unit: $unit,
                     range: ($least, $most),
+                    excludes_least: $crate::parameters!(@excludes $($above)?),
                     origin: $origin,
                 },
             )+];
 
-            fn value(&self, row: usize) -> f64 {
-                [$($crate::Number::to_f64(self.$name),)+][row]
+            fn number(&self, row: usize) -> Option<f64> {
+                [$($crate::Number::number(self.$name),)+][row]
             }
 
-            fn with(mut self, row: usize, value: f64) -> Self {
-                let mut place = 0;
+            fn with(&self, row: usize, value: f64) -> Self {
+                let (mut table, mut place) = (self.clone(), 0);
                 $(
                     if place == row {
-                        self.$name = $crate::Number::from_f64(value);
+                        table.$name = $crate::Number::from_f64(value);
                     }
                     place += 1;
                 )+
                 assert!(row < place, "the table has {place} rows");
-                self
+                table
             }
         }
     };
@@ -220,5 +260,28 @@ mod tests {
         assert!(!Pair { length_m: 2.3, ..Pair::DEFAULT }.within_ranges());
         assert!(!Pair::DEFAULT.with(1, 0.0).within_ranges());
         assert!(!Pair::DEFAULT.with(0, f64::NAN).within_ranges());
+    }
+
+    parameters! {
+        /// A table with a number that may be absent, and with a word.
+        struct Kept {
+            /// A share.
+            share: f64 = 0.5, "1", above 0.0..=1.0, "Chosen.";
+            /// A length.
+            length_m: Option<f64> = None, "m", 1.0..=2.0, "Chosen.";
+            others {
+                /// A word.
+                word: String = "usual".to_owned();
+            }
+        }
+    }
+
+    #[test]
+    fn a_number_may_be_absent_and_its_least_value_left_out() {
+        let usual = Kept::default();
+        assert_eq!((usual.number(1), usual.word.as_str()), (None, "usual"));
+        assert!(usual.within_ranges() && usual.with(1, 1.0).within_ranges());
+        assert!(!usual.with(0, 0.0).within_ranges() && !usual.with(1, 0.5).within_ranges());
+        assert!(Kept::ROWS[0].excludes_least && !Kept::ROWS[1].excludes_least);
     }
 }

@@ -46,7 +46,7 @@ mod road;
 pub use own_way::OwnWay;
 pub use road::{Cells, Clothoid, RoadAhead};
 
-use crate::law::{Input, Output};
+use crate::law::Input;
 
 /// Speeds between which the accepted lateral acceleration falls, m/s.
 const SLOW_MPS: f64 = 17.0;
@@ -175,11 +175,10 @@ impl CurveSpeed {
         self.bound(speed_mps, road.here_perm(), needed_mps2, period_s, requested_mps2);
     }
 
-    /// Bounds the law's request in a curve.
-    pub fn restrain(&self, output: &mut Output) {
-        if self.most_mps2 < FREE_MPS2 {
-            output.bound_from_above(self.most_mps2);
-        }
+    /// The law's largest request in a curve, m/s²; infinite elsewhere.
+    #[must_use]
+    pub fn most_mps2(&self) -> f64 {
+        if self.most_mps2 < FREE_MPS2 { self.most_mps2 } else { f64::INFINITY }
     }
 
     /// The cap; `None` while nothing caps the set speed.

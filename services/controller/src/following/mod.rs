@@ -2,7 +2,6 @@
 //! and the soft end of a stop. A follower is made of these.
 
 pub mod driver;
-pub(crate) mod follower;
 pub mod kinematics;
 pub mod parameters;
 pub(crate) mod safe_gap;

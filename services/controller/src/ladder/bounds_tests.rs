@@ -195,7 +195,7 @@ fn a_radar_that_sees_a_part_limits_the_speed_and_shows() {
         // Blind, the ego hardly accelerates and slows down.
         let mut output = Output::default();
         output.set_request(1.5);
-        ladder.restrain(&mut output);
+        output.bound_from_above(ladder.most_mps2());
         let most_mps2 = if share < 0.3 { -0.25 } else { 1.5 };
         assert_eq!(output.request_mps2(), most_mps2, "{share}");
     }
@@ -231,7 +231,7 @@ fn a_lead_that_is_missing_in_a_fresh_scan_is_assumed_to_be_there() {
     assert_eq!(given.set_speed_mps, 20.0, "no faster than when it was lost");
     let mut output = Output::default();
     output.set_request(1.0);
-    ladder.restrain(&mut output);
+    output.bound_from_above(ladder.most_mps2());
     assert_eq!(output.request_mps2(), 0.0);
 }
 
@@ -285,7 +285,7 @@ fn an_ego_that_stands_close_behind_a_vehicle_waits() {
     ladder.admit(&mut standing, Some(&scan(1.0, &[1])));
     let mut output = Output::default();
     output.set_request(1.0);
-    ladder.restrain(&mut output);
+    output.bound_from_above(ladder.most_mps2());
     assert_eq!(output.request_mps2(), 0.0);
 }
 

@@ -73,7 +73,8 @@ impl Caution {
     /// Takes what the radar reports of its sight, if there is a report; returns the sight that counts.
     pub(super) fn settle(&mut self, reported: Option<Sight>, period_s: f64) -> Sight {
         let Some(reported) = reported else { return self.sight };
-        if severity(reported) < severity(self.sight) {
+        // The less is seen, the later it stands in the enum.
+        if (reported as u32) < self.sight as u32 {
             self.better_s += period_s;
         } else {
             (self.sight, self.better_s) = (reported, 0.0);
@@ -126,15 +127,6 @@ impl Caution {
     pub(super) fn most_mps2(&self) -> f64 {
         let most_mps2 = if self.most_mps2 < FREE_MPS2 { self.most_mps2 } else { f64::INFINITY };
         self.slows_mps2.map_or(most_mps2, |slows_mps2| slows_mps2.min(most_mps2))
-    }
-}
-
-/// Rank of the sight: the less is seen, the higher it is.
-fn severity(sight: Sight) -> u32 {
-    match sight {
-        Sight::Full => 0,
-        Sight::Limited => 1,
-        Sight::Blind => 2,
     }
 }
 

@@ -1,6 +1,7 @@
 //! The laws: each is a folder here and a line in [`ALL`].
 
 pub mod cacc;
+mod checked;
 pub mod external;
 pub mod quadratic_bounded;
 pub mod signal_stop;

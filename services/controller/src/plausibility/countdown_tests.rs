@@ -151,9 +151,7 @@ fn a_phase_that_outlasts_its_end_or_ends_early_contradicts_it() {
     assert!(!drive.drive((10.0, 19.9), late).1);
     let (used, doubts) = drive.look(20.0, &[late(20.0)]);
     assert_eq!((used, doubts), (vec![(GREEN, 20.4, OPEN), (YELLOW, 23.0, OPEN)], true));
-    let finding = |check: Check| {
-        drive.findings.iter().find(|(of, _)| *of == check).expect("one of all").1.first_s
-    };
+    let finding = |check: Check| drive.findings.of(check).first_s;
     assert_eq!(finding(Check::CountdownAgainstClock), Some(20.1));
     assert_eq!(finding(Check::CountdownAgainstHistory), None);
 }

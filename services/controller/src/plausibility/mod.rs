@@ -58,34 +58,18 @@ pub enum Check {
 }
 
 impl Check {
-    /// All checks.
-    pub const ALL: [Self; 9] = [
-        Self::SpeedAgainstPosition,
-        Self::VehicleLimits,
-        Self::SpeedAgainstRadar,
-        Self::SpeedAgainstCommand,
-        Self::RadarFrozen,
-        Self::RangeRateAgainstRange,
-        Self::TargetAgainstTrack,
-        Self::CountdownAgainstClock,
-        Self::CountdownAgainstHistory,
+    /// Names in results, in the order of the checks.
+    pub const NAMES: [&str; 9] = [
+        "speed-against-position",
+        "vehicle-limits",
+        "speed-against-radar",
+        "speed-against-command",
+        "radar-frozen",
+        "range-rate-against-range",
+        "target-against-track",
+        "countdown-against-clock",
+        "countdown-against-history",
     ];
-
-    /// Name in results.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::SpeedAgainstPosition => "speed-against-position",
-            Self::VehicleLimits => "vehicle-limits",
-            Self::SpeedAgainstRadar => "speed-against-radar",
-            Self::SpeedAgainstCommand => "speed-against-command",
-            Self::RadarFrozen => "radar-frozen",
-            Self::RangeRateAgainstRange => "range-rate-against-range",
-            Self::TargetAgainstTrack => "target-against-track",
-            Self::CountdownAgainstClock => "countdown-against-clock",
-            Self::CountdownAgainstHistory => "countdown-against-history",
-        }
-    }
 }
 
 /// Findings of a check over a run.
@@ -102,7 +86,7 @@ pub struct Finding {
 /// Findings of each check.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Findings {
-    of: [Finding; Check::ALL.len()],
+    of: [Finding; Check::NAMES.len()],
 }
 
 impl Findings {
@@ -122,18 +106,19 @@ impl Findings {
     /// Report of the run: the checks that found a contradiction, and how near the others came.
     #[must_use]
     pub fn report(&self) -> Vec<CheckReport> {
-        let report = |(check, finding): (Check, &Finding)| CheckReport {
-            check: check.name().to_owned(),
+        let report = |(name, finding): (&str, &Finding)| CheckReport {
+            check: name.to_owned(),
             cycles: finding.cycles,
             first_s: finding.first_s,
             nearest: finding.nearest,
         };
-        self.iter().map(report).collect()
+        Check::NAMES.into_iter().zip(&self.of).map(report).collect()
     }
 
-    /// Each check with its finding.
-    pub fn iter(&self) -> impl Iterator<Item = (Check, &Finding)> {
-        Check::ALL.into_iter().zip(&self.of)
+    /// The finding of a check.
+    #[must_use]
+    pub fn of(&self, check: Check) -> &Finding {
+        &self.of[check as usize]
     }
 }
 

@@ -233,9 +233,9 @@ mod tests {
         let mut motion = Checked::default();
         motion.agrees(&sample(0.0, 0.0, 10.0));
         assert!(!motion.agrees(&sample(0.1, 1.15, 13.0)));
-        let found = motion.1.iter().filter(|(_, found)| found.cycles > 0);
-        let found: Vec<_> = found.map(|(check, _)| check).collect();
-        assert_eq!(found, [Check::VehicleLimits], "the position moved on as the speeds say");
+        let found = motion.1.report().into_iter().filter(|found| found.cycles > 0);
+        let found: Vec<_> = found.map(|found| found.check).collect();
+        assert_eq!(found, ["vehicle-limits"], "the position moved on as the speeds say");
     }
 
     #[test]

@@ -42,7 +42,7 @@ impl Checked {
 
     /// Cycles in which `check` found a contradiction.
     fn found(&self, check: Check) -> u64 {
-        self.1.iter().find(|(of, _)| *of == check).map_or(0, |(_, finding)| finding.cycles)
+        self.1.of(check).cycles
     }
 }
 

@@ -27,7 +27,7 @@ fn scan(time_s: f64, range_m: f64, rate_mps: f64) -> RadarTracks {
 
 /// Largest share below the threshold, and cycles above it.
 fn found(findings: &Findings, check: Check) -> (f64, u64) {
-    let finding = findings.iter().find(|(of, _)| *of == check).expect("it is one of all").1;
+    let finding = findings.of(check);
     (finding.nearest, finding.cycles)
 }
 

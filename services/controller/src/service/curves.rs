@@ -1,7 +1,7 @@
 //! The topics of a road with a plan, and the speed in its curves.
 
 use crate::curve_speed::{Cells, Clothoid, CurveSpeed, OwnWay, RoadAhead, Settings};
-use crate::law::{Input, Output};
+use crate::law::Input;
 use messages::{Course, Curves, LateralMotion, MAX_CURVE_CELLS, Origin};
 use runtime::{Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
@@ -83,8 +83,8 @@ impl CurveTopics {
         self.speed.cap(input, &road, requested_mps2);
     }
 
-    /// Bounds the law's request in a curve.
-    pub(super) fn restrain(&self, output: &mut Output) {
-        self.speed.restrain(output);
+    /// The law's largest request in a curve, m/s²; infinite elsewhere.
+    pub(super) fn most_mps2(&self) -> f64 {
+        self.speed.most_mps2()
     }
 }

@@ -61,9 +61,9 @@ impl Loop {
         message.rung = level as u32;
         message.takeover = u32::from(level == Level::LeadLost);
         message.request_mps2 = self.output.request_mps2();
-        message.odometry_age_ns = age(acquired(&self.odometry));
-        message.radar_age_ns = age(acquired(&self.radar));
-        message.spat_age_ns = age(acquired(&self.spat));
+        message.odometry_age_ns = age(acquired(&self.inputs.odometry));
+        message.radar_age_ns = age(acquired(&self.inputs.radar));
+        message.spat_age_ns = age(acquired(&self.inputs.spat));
         message.figures.copy_from_slice(&self.output.figures);
     }
 }

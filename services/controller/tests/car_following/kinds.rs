@@ -118,7 +118,7 @@ fn ask(ladder: &mut Ladder, law: &mut dyn Law, mut input: Input, age_s: f64, out
     match ladder.admit(&mut input, None) {
         Admission::Law => {
             law.step(&input, output);
-            ladder.restrain(output);
+            output.bound_from_above(ladder.most_mps2());
         }
         Admission::Brake => {
             ladder.brake(&input.ego, PERIOD_S, law.request_bounds_mps2(), output);

@@ -208,7 +208,7 @@ const INCREMENT_CLAMPED: &str =
 /// The indices and their bounds. The paper quantifies safety by Dd and Dv, comfort by a and u, handiness by Du, and
 /// efficiency by Dd' (section 2.2). Its bounds are lost; the reconstruction's bounds are compared.
 fn index_rows(name: &str, driven: &Driven) -> Vec<Row> {
-    let p = Parameters::reference();
+    let p = Parameters::default();
     let largest =
         |values: &mut dyn Iterator<Item = f64>| Some(values.map(f64::abs).fold(0.0, f64::max));
     let figure = |name: &str| largest(&mut driven.figure(name).into_iter().map(|(_, value)| value));

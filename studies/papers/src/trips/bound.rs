@@ -4,10 +4,7 @@ use super::{CONTROL_PERIOD_S, Driver, Road, Seen};
 use controller::laws::truck::energy_grid::{
     Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Values,
 };
-use controller::laws::truck::prices::Prices;
-use controller::laws::truck::speed_band::min_speed_mps;
-use controller::laws::truck::speed_keeper::SpeedKeeper;
-use controller::laws::truck::{BoundKeys, limiter};
+use controller::laws::truck::{BoundKeys, Prices, SpeedKeeper, limited, min_speed_mps};
 use truck_model::{Demand, Truck};
 
 /// Lowest speed of the grid, as a share of the set speed.
@@ -110,14 +107,7 @@ impl Driver for Bound {
             self.decide(seen);
         }
         let motion = seen.motion;
-        limiter::limited(
-            &self.truck,
-            self.demand,
-            motion.speed_mps,
-            motion.gear,
-            seen.grade,
-            self.limit_mps,
-        )
+        limited(&self.truck, self.demand, motion.speed_mps, motion.gear, seen.grade, self.limit_mps)
     }
 }
 
@@ -144,6 +134,6 @@ impl Driver for Cruise {
         let torque_nm =
             self.keeper.torque_nm(&self.truck, speeds_mps, gear, seen.grade, CONTROL_PERIOD_S);
         let demand = Demand::torque(torque_nm);
-        limiter::limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
+        limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
     }
 }

@@ -1,8 +1,7 @@
 //! One truck on one road: the fuel of each driver against constant speed, at equal trip time.
 
 use super::{Assisted, Bound, Cruise, Driver, Human, Map, Road, Trip, at_equal_time, drive};
-use controller::laws::truck::speed_band::max_speed_mps;
-use controller::laws::truck::{BoundKeys, Keys, PlannerKind, Prices, Settings};
+use controller::laws::truck::{BoundKeys, Keys, PlannerKind, Prices, Settings, max_speed_mps};
 use truck_model::Truck;
 
 /// Range of the mean speed over the set speed in which equal trip time is looked for.

@@ -7,7 +7,7 @@
 
 use super::trip::normal;
 use super::{CONTROL_PERIOD_S, Driver, Seen};
-use controller::laws::truck::limiter;
+use controller::laws::truck::limited;
 use rand_pcg::Pcg64;
 use truck_model::{Demand, Truck};
 
@@ -119,6 +119,6 @@ impl Driver for Human {
                 demand = braking;
             }
         }
-        limiter::limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
+        limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
     }
 }

@@ -1,6 +1,6 @@
 //! The reference of trip time against the truck that keeps its speed.
 
-use controller::laws::truck::reference::{Reference, Speeds};
+use controller::laws::truck::{Reference, Speeds};
 use papers::trips::{Cruise, Road, drive};
 use truck_model::{Preset, Truck};
 

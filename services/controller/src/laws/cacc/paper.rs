@@ -77,9 +77,8 @@ pub struct PaperLaw {
     config: Config,
     uses_light: bool,
     solver: Box<dyn Solver + Send>,
-    follow: Problem,
-    lit: Problem,
-    softened: Problem,
+    /// By [`Program`].
+    programs: [Problem; 3],
     state: State,
 }
 
@@ -125,9 +124,11 @@ impl PaperLaw {
             config: *config,
             uses_light,
             solver,
-            follow: program(config, weights, Variant::Follow)?,
-            lit: program(config, weights, Variant::Lit)?,
-            softened: program(config, weights, Variant::Softened)?,
+            programs: [
+                problem(config, weights, Program::Lit)?,
+                problem(config, weights, Program::Follow)?,
+                problem(config, weights, Program::Softened)?,
+            ],
             state: State::new(config),
         })
     }
@@ -137,41 +138,29 @@ impl PaperLaw {
         output.figures[0] = error[0];
         output.figures[1] = error[1];
         let light = if self.uses_light { self.state.active_light(input) } else { None };
-        if let Some(light) = light {
-            output.mode = LIGHT;
-            let v_lead = input.ego.speed_mps + target.relative_speed_mps;
-            let stages = light_stages(&light, &error, v_lead, &self.config);
-            self.lit.set_initial_state(error);
-            self.lit.set_light(stages);
-            if self.solves(Program::Lit, output) {
-                return self.keep_plan(input, Quality::Full, output);
+        output.mode = if light.is_some() { LIGHT } else { FOLLOW };
+        let without_light = if light.is_some() { Quality::Relaxed } else { Quality::Full };
+        for (program, quality) in [
+            (Program::Lit, Quality::Full),
+            (Program::Follow, without_light),
+            (Program::Softened, Quality::Relaxed),
+        ] {
+            let problem = &mut self.programs[program as usize];
+            problem.set_initial_state(error);
+            if program == Program::Lit {
+                let Some(light) = &light else { continue };
+                let v_lead = input.ego.speed_mps + target.relative_speed_mps;
+                problem.set_light(light_stages(light, &error, v_lead, &self.config));
             }
-        } else {
-            output.mode = FOLLOW;
-        }
-        self.follow.set_initial_state(error);
-        if self.solves(Program::Follow, output) {
-            let quality = if light.is_some() { Quality::Relaxed } else { Quality::Full };
-            return self.keep_plan(input, quality, output);
-        }
-        self.softened.set_initial_state(error);
-        if self.solves(Program::Softened, output) {
-            return self.keep_plan(input, Quality::Relaxed, output);
+            let report = self.solver.solve(problem, Start::Cold);
+            output.solver_iterations += report.iterations;
+            output.figures[2] = report.objective;
+            output.figures[3] = report.residuals.max();
+            if usable(&report) {
+                return self.keep_plan(input, quality, output);
+            }
         }
         Quality::Backup
-    }
-
-    fn solves(&mut self, program: Program, output: &mut Output) -> bool {
-        let problem = match program {
-            Program::Lit => &self.lit,
-            Program::Follow => &self.follow,
-            Program::Softened => &self.softened,
-        };
-        let report = self.solver.solve(problem, Start::Cold);
-        output.solver_iterations += report.iterations;
-        output.figures[2] = report.objective;
-        output.figures[3] = report.residuals.max();
-        usable(&report)
     }
 
     fn keep_plan(&mut self, input: &Input, quality: Quality, output: &mut Output) -> Quality {
@@ -230,7 +219,8 @@ impl PaperLaw {
     }
 }
 
-#[derive(Clone, Copy)]
+/// The convex programs, in the order in which they are tried.
+#[derive(Clone, Copy, PartialEq)]
 enum Program {
     Lit,
     Follow,
@@ -347,14 +337,7 @@ fn light_stages(
     })
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Variant {
-    Follow,
-    Lit,
-    Softened,
-}
-
-fn program(config: &Config, weights: &Weights, variant: Variant) -> Result<Problem, ProblemError> {
+fn problem(config: &Config, weights: &Weights, program: Program) -> Result<Problem, ProblemError> {
     let (n, t) = (config.horizon_steps, config.step_s);
     let c = t / config.actuator_lag_s;
     let q =
@@ -371,7 +354,7 @@ fn program(config: &Config, weights: &Weights, variant: Variant) -> Result<Probl
         .state_weights(q)
         .input_cost(weights.request_s4_per_m2)
         .input_bounds(config.min_request_mps2, config.max_request_mps2);
-    if variant == Variant::Softened {
+    if program == Program::Softened {
         buffer.from = 3;
         // Dearer than any error within the buffer is to the following cost.
         let linear = 10.0 * (q[0] + q[1]).max(1.0) * config.buffer_m;
@@ -380,7 +363,7 @@ fn program(config: &Config, weights: &Weights, variant: Variant) -> Result<Probl
     } else {
         builder = builder.terminal_equality([0.0; 3]);
     }
-    if variant == Variant::Lit && weights.light_m > 0.0 {
+    if program == Program::Lit && weights.light_m > 0.0 {
         builder = builder.light(LightCost {
             weight: weights.light_m,
             threshold: weights.light_threshold_m,

@@ -9,8 +9,7 @@
 //! The caller's code runs on the caller's own stack and in the caller's own thread. So an interpreter finds its stack
 //! where it expects it, and an error of the law stays with the caller.
 
-use super::bounds::Bounds;
-use super::record::{Refused, accept, question};
+use super::record::{Bounds, Refused, accept, question};
 use crate::law::{Hosted, HostedError, Input, Law, Output};
 use crate::report::ProgramReport;
 use bytemuck::Zeroable;

@@ -1,6 +1,6 @@
 //! The road controller that drives where a law of the user's has no answer.
 
-use super::bounds::Bounds;
+use super::record::Bounds;
 use crate::law::{Input, Law, Output, Quality};
 use messages::LAW_MODES;
 

@@ -1,12 +1,11 @@
 //! The law: a question and an answer at each release, and the backup where there is no answer.
 
 use super::backup::{Backup, Reason};
-use super::bounds::Bounds;
 use super::channel::{Channel, ChannelError};
 use super::host::{Host, HostError, News};
 use super::idle;
 use super::process::Plan;
-use super::record::{Refused, accept, question};
+use super::record::{Bounds, Refused, accept, question};
 use crate::law::{Hosted, HostedError, Input, Law, Output};
 use crate::report::ProgramReport;
 use scenario::Scenario;

@@ -23,33 +23,51 @@
 
 mod asked;
 mod backup;
-mod bounds;
 mod channel;
 mod host;
 mod idle;
 mod law;
 mod process;
 mod record;
-mod settings;
 
 pub use asked::{Asked, Questions};
 pub use law::External;
-pub use settings::Settings;
 
 use super::cacc::config::Config;
 use super::cacc::{self, Signals};
 use crate::law::reader::key;
 use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader, TargetSource};
-use crate::settings::Table;
+use crate::settings::{self, Number, Table};
 use backup::Backup;
-use bounds::Bounds;
+use parameters::parameters;
 use process::Plan;
+use record::Bounds;
 use runtime::{Program, ProgramError, executable};
+use scenario::schema::Schema;
 use scenario::{Problem, Scenario};
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Duration;
 
 const TABLE: Table = Table::of::<Settings>("external");
+
+parameters! {
+    /// Settings of the law `external`.
+    #[derive(Serialize, Deserialize, Schema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct Settings {
+        /// Time that the program has for its first answer, and in simulated time for each, s.
+        patience_s: f64 = 8.0, "s", 0.1..=600.0, "Chosen.";
+        /// Time without an answer after which a program is replaced in real time, s.
+        silence_s: f64 = 0.5, "s", 0.01..=600.0, "Chosen.";
+    }
+}
+
+impl settings::Settings for Settings {
+    fn numbers(&self) -> Vec<Number> {
+        Number::of("", self)
+    }
+}
 
 /// The law as data.
 pub static EXTERNAL: Descriptor = Descriptor {

@@ -1,6 +1,5 @@
 //! From a law's input to the question's record, and from the answer's record to a law's output.
 
-use super::bounds::Bounds;
 use crate::law::{Input, MAX_PLAN, Output, Phase, TorqueRequest};
 use bytemuck::Zeroable;
 use messages::{LAW_CELLS, LAW_INTERVALS, LAW_MODES, LAW_PLAN, LAW_SIGNALS, LawAnswer, LawInput};
@@ -9,6 +8,19 @@ const _: () = assert!(LAW_SIGNALS == crate::law::MAX_SIGNALS, "a question has ev
 const _: () = assert!(LAW_INTERVALS == crate::law::MAX_PHASES, "and every interval");
 const _: () = assert!(LAW_CELLS == crate::law::MAX_CELLS, "and every cell");
 const _: () = assert!(LAW_PLAN < MAX_PLAN, "a command carries every plan");
+
+/// Bounds of a request.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    pub(super) least_mps2: f64,
+    pub(super) most_mps2: f64,
+}
+
+impl Bounds {
+    pub(super) fn bring_in(self, request_mps2: f64) -> f64 {
+        request_mps2.max(self.least_mps2).min(self.most_mps2)
+    }
+}
 
 /// Question number `sequence`.
 pub(super) fn question(input: &Input, sequence: u64, reset: bool) -> LawInput {

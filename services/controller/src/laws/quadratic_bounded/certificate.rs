@@ -16,7 +16,7 @@
 //! The blend of the rules is covered too. B, C and D are common, so z+ is the same blend of the rules' results, and V
 //! is convex. Within the ellipsoid |c z| <= sqrt(c P^-1 c'), which bounds every index.
 
-use super::content::{Content, RuleContent};
+use super::design::{Content, RuleContent};
 use super::error::{Condition, Failure};
 use super::model::{DISTURBANCES, Parameters, RULES, STATES, State, StateMatrix};
 use nalgebra::{SMatrix, SVector};

@@ -6,14 +6,15 @@
 //! | the speed is between those of the two rules, and the lead's not below | it is not |
 //! | the lead brakes within the design's bound | it brakes harder by 0.1 m/s² |
 //!
-//! The fall-back is the explicit follower of [`crate::following`], with the design's desired gap and brakes of its own.
+//! The fall-back is an explicit follower of the parts in [`crate::following`], with the design's desired gap and brakes of its own.
 //! The certificate's bound on the request is one of comfort only. The law takes over again when all of
 //! it has held for a second with a margin. Its controller state is reset.
 
 use super::model::Parameters;
-use crate::following::driver::Driver;
-use crate::following::follower::Follower;
-use crate::following::kinematics::Lag;
+use crate::following::driver::{Driver, Obstacle};
+use crate::following::kinematics::{Lag, Motion};
+use crate::following::safe_gap::{LeadNow, SafeGap};
+use crate::following::soft_stop::{Room, soften, within_set_speed};
 
 /// Excess at which the law hands over.
 const LEAVES_AT: f64 = 1.05;
@@ -77,25 +78,38 @@ impl Envelope {
     }
 }
 
-/// The fall-back of a design at a speed.
-pub(super) fn follower(
+/// The fall-back's request, m/s²: a comfortable driver, kept at a safe gap, that stops softly. It has an answer for every
+/// state. `braking_mps2` are its own hardest braking and the one that is assumed of the lead.
+pub(super) fn fall_back_mps2(
     p: &Parameters,
-    speed_mps: f64,
-    braking_mps2: f64,
-    lead_deceleration_mps2: f64,
-) -> Follower {
-    Follower {
-        driver: Driver {
-            acceleration_mps2: COMFORT_MPS2.0,
-            deceleration_mps2: COMFORT_MPS2.1,
-            hardest_mps2: braking_mps2,
-        },
-        lag: Lag { tau_s: p.actuator_lag_s },
-        headway_s: p.gap_slope_s + p.gap_curvature_s2pm * speed_mps,
+    braking_mps2: (f64, f64),
+    ego: Motion,
+    lead: Option<&LeadNow>,
+    desired_mps: f64,
+) -> f64 {
+    let driver = Driver {
+        acceleration_mps2: COMFORT_MPS2.0,
+        deceleration_mps2: COMFORT_MPS2.1,
+        hardest_mps2: braking_mps2.0,
+    };
+    let Some(lead) = lead else {
+        let free = driver.free_mps2(ego.speed_mps, desired_mps);
+        return soften(within_set_speed(free, desired_mps), ego, p.actuator_lag_s, Room::FREE);
+    };
+    let obstacle = Obstacle {
+        gap_m: lead.gap_m,
+        speed_mps: lead.speed_mps,
+        acceleration_mps2: lead.acceleration_mps2,
+        headway_s: p.gap_slope_s + p.gap_curvature_s2pm * ego.speed_mps,
         standstill_m: p.gap_constant_m,
-        min_gap_m: MIN_GAP_M,
-        lead_deceleration_mps2,
-    }
+    };
+    let wanted = driver.follow_mps2(ego.speed_mps, desired_mps, &obstacle);
+    let lag = Lag { tau_s: p.actuator_lag_s };
+    let bounds = (-braking_mps2.0, -COMFORT_MPS2.1);
+    let safe = SafeGap::new(lag, p.sample_time_s, bounds, MIN_GAP_M, braking_mps2.1);
+    let request = safe.apply(within_set_speed(wanted, desired_mps), ego, lead);
+    let room = Room { wanted_m: lead.room_m(MIN_GAP_M), spare_m: 0.5 * MIN_GAP_M };
+    soften(request, ego, lag.tau_s, room)
 }
 
 #[cfg(test)]
@@ -112,7 +126,7 @@ mod tests {
 
     #[test]
     fn each_condition_ends_the_laws_range_at_once() {
-        let p = Parameters::reference();
+        let p = Parameters::default();
         let outside = [
             State { excess: 1.1, ..INSIDE },
             State { speed_mps: 4.9, ..INSIDE },
@@ -129,7 +143,7 @@ mod tests {
 
     #[test]
     fn the_law_returns_after_a_second_within_its_range() {
-        let p = Parameters::reference();
+        let p = Parameters::default();
         let mut envelope = Envelope::default();
         assert!(envelope.is_left(&p, &State { lead_mps2: -6.0, ..INSIDE }, 0.1));
         let returns = (1..50).find(|_| !envelope.is_left(&p, &INSIDE, 0.1));

@@ -1,6 +1,6 @@
 //! Why a file is not a design.
 
-use super::content::{FORMAT, LARGEST};
+use super::design::{FORMAT, LARGEST};
 use crate::settings::SettingError;
 use thiserror::Error;
 

@@ -1,7 +1,6 @@
 //! The law: increments, virtual lead, the smaller of two, and the envelope.
 
 use super::certificate::{ClosedMatrix, ClosedState, extended};
-use super::checked::{Checked, Lead, check};
 use super::design::Design;
 use super::envelope::{self, Envelope};
 use super::model::{State, StateMatrix};
@@ -9,7 +8,8 @@ use super::printed;
 use super::settings::{GainSource, Settings};
 use crate::following::kinematics::Motion;
 use crate::following::safe_gap::LeadNow;
-use crate::law::{Input, Law, Output, Quality};
+use crate::law::{Ego, Input, Law, Output, Quality, Target};
+use crate::laws::checked::Checked;
 use crate::settings::{self, SettingError};
 use nalgebra::{SMatrix, SVector};
 
@@ -112,18 +112,22 @@ impl QuadraticBounded {
     /// One sample of the increment law.
     fn update(&mut self, input: &Checked, too_slow: bool) {
         let p = self.design.parameters();
-        let Checked { speed, acceleration, target, set_speed } = *input;
+        let Checked { ego, target, set_speed_mps, .. } = *input;
+        let (speed, acceleration) = (ego.speed_mps, ego.acceleration_mps2);
         if !self.started {
             self.started = true;
             self.request = acceleration.clamp(-p.request_bound_mps2, p.request_bound_mps2);
         }
         let desired = p.desired_gap_m(speed);
-        let virtual_lead = State::new(0.0, set_speed - speed, acceleration, self.request);
+        let virtual_lead = State::new(0.0, set_speed_mps - speed, acceleration, self.request);
         let cruise = self.cruise(virtual_lead, speed);
         let followed = target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
         let follow = followed.map(|t| {
             let error_m = t.gap_m - desired;
-            self.follow(State::new(error_m, t.relative_mps, acceleration, self.request), speed)
+            self.follow(
+                State::new(error_m, t.relative_speed_mps, acceleration, self.request),
+                speed,
+            )
         });
         let (mode, reason, chosen) = match follow {
             None => (Mode::Cruise, Reason::NoTarget, cruise),
@@ -135,7 +139,7 @@ impl QuadraticBounded {
             excess,
             excess_after_reset,
             speed_mps: speed,
-            lead_mps: followed.map_or(f64::INFINITY, |t| speed + t.relative_mps),
+            lead_mps: followed.map_or(f64::INFINITY, |t| speed + t.relative_speed_mps),
             lead_mps2: followed.map_or(0.0, |t| t.acceleration_mps2),
         };
         let p = self.design.parameters();
@@ -180,10 +184,11 @@ impl QuadraticBounded {
 
     /// Progress of the state towards the end of the law's range, which is 1. The second value is the same from a reset
     /// controller state. V of a certified design, the urgency of the printed gains.
-    fn excess(&self, z: &ClosedState, lead: Option<&Lead>) -> [f64; 2] {
+    fn excess(&self, z: &ClosedState, lead: Option<&Target>) -> [f64; 2] {
         if self.is_printed() {
             let p = self.design.parameters();
-            return [lead.map_or(0.0, |lead| printed::urgency(p, lead.gap_m, lead.relative_mps));
+            return [lead
+                .map_or(0.0, |lead| printed::urgency(p, lead.gap_m, lead.relative_speed_mps));
                 2];
         }
         let x = State::from_fn(|i, _| z[i]);
@@ -194,18 +199,17 @@ impl QuadraticBounded {
     /// One sample of the fall-back.
     fn fall_back(&mut self, input: &Checked, excess: f64) {
         let p = self.design.parameters();
-        let speed_mps = input.speed;
+        let Checked { ego: Ego { speed_mps, acceleration_mps2, .. }, set_speed_mps, .. } = *input;
         let braking_mps2 = self.settings.fall_back_braking_mps2;
-        let reckoned = self.settings.lead_deceleration_mps2;
-        let follower = envelope::follower(p, speed_mps, braking_mps2, reckoned);
-        let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2: input.acceleration };
+        let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2 };
         let target = input.target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
         let lead = target.map(|t| LeadNow {
             gap_m: t.gap_m,
-            speed_mps: (speed_mps + t.relative_mps).max(0.0),
+            speed_mps: (speed_mps + t.relative_speed_mps).max(0.0),
             acceleration_mps2: t.acceleration_mps2,
         });
-        let request = follower.request(ego, lead.as_ref(), input.set_speed, p.sample_time_s);
+        let hardest = (braking_mps2, self.settings.lead_deceleration_mps2);
+        let request = envelope::fall_back_mps2(p, hardest, ego, lead.as_ref(), set_speed_mps);
         let request = request.clamp(-braking_mps2, p.request_bound_mps2);
         if self.mode != Some(Mode::FallBack) {
             self.mode = Some(Mode::FallBack);
@@ -215,8 +219,8 @@ impl QuadraticBounded {
         self.request = request;
         self.quality = Quality::FallBack;
         let gap_error_m = target.map_or(0.0, |t| t.gap_m - p.desired_gap_m(speed_mps));
-        let speed_error_mps = target.map_or(0.0, |t| t.relative_mps);
-        let rate_mps = speed_error_mps - p.gap_derivative_s(speed_mps) * input.acceleration;
+        let speed_error_mps = target.map_or(0.0, |t| t.relative_speed_mps);
+        let rate_mps = speed_error_mps - p.gap_derivative_s(speed_mps) * acceleration_mps2;
         let shown = [excess, gap_error_m, gap_error_m, speed_error_mps, rate_mps, increment];
         self.figures = [0.0; 8];
         self.figures[..6].copy_from_slice(&shown);
@@ -321,7 +325,9 @@ impl Law for QuadraticBounded {
     fn step(&mut self, input: &Input, output: &mut Output) {
         *output = Output::default();
         let sample_time = self.design.parameters().sample_time_s;
-        match check(input) {
+        // A lead that accelerates as no vehicle can is no input.
+        let is_one = |lead: Target| (-50.0..=50.0).contains(&lead.acceleration_mps2);
+        match Checked::of(input).filter(|checked| checked.target.is_none_or(is_one)) {
             None => self.blind(),
             Some(checked) => {
                 if self.wait_s <= EARLY * sample_time {

@@ -74,8 +74,6 @@
 //! `studies/synthesis` of version 0.2.
 
 mod certificate;
-mod checked;
-mod content;
 mod design;
 mod envelope;
 mod error;
@@ -86,8 +84,7 @@ mod printed;
 mod settings;
 
 pub use certificate::{ClosedMatrix, ClosedState, Gains, closed_loop};
-pub use content::{Content, RuleContent};
-pub use design::Design;
+pub use design::{Content, Design, RuleContent};
 pub use error::{Condition, DesignError, Failure};
 pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};

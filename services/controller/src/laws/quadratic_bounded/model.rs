@@ -1,7 +1,8 @@
 //! The vehicle-following model: parameters, desired gap, and the two rules of the T-S model.
 
-use crate::settings::{SettingError, within};
+use crate::settings::{Number, SettingError, within};
 use nalgebra::{SMatrix, SVector};
+use parameters::parameters;
 use serde::{Deserialize, Serialize};
 
 /// States of the model, x = [Dd, Dv, a, u(k-1)].
@@ -18,102 +19,60 @@ pub type StateMatrix = SMatrix<f64, STATES, STATES>;
 /// Effect of the disturbances on the states or on the measurement.
 pub type DisturbanceMatrix = SMatrix<f64, STATES, DISTURBANCES>;
 
-/// Conditions of a design.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Parameters {
-    /// Ts: period of the increments, s.
-    pub sample_time_s: f64,
-    /// T: time constant of the acceleration, s.
-    pub actuator_lag_s: f64,
-    /// c0 of the desired gap c0 + c1 v + c2 v², m.
-    pub gap_constant_m: f64,
-    /// c1, s.
-    pub gap_slope_s: f64,
-    /// c2, s²/m.
-    pub gap_curvature_s2pm: f64,
-    /// Speed of rule 1, m/s.
-    pub least_speed_mps: f64,
-    /// Speed of rule 2, m/s.
-    pub greatest_speed_mps: f64,
-    /// Bound on the lead's acceleration |a_p|, m/s².
-    pub lead_acceleration_mps2: f64,
-    /// Bound on the noise of the gap error, m.
-    pub gap_noise_m: f64,
-    /// Bound on the noise of the speed error, m/s.
-    pub speed_noise_mps: f64,
-    /// Bound on the noise of the acceleration, m/s².
-    pub acceleration_noise_mps2: f64,
-    /// Safety index: bound on |Dd|, m.
-    pub gap_error_bound_m: f64,
-    /// Safety index: bound on |Dv|, m/s.
-    pub speed_error_bound_mps: f64,
-    /// Comfort index: bound on |a|, m/s².
-    pub acceleration_bound_mps2: f64,
-    /// Comfort index: bound on |u|, m/s².
-    pub request_bound_mps2: f64,
-    /// Handiness index: bound on |Du| in one sample, m/s².
-    pub increment_bound_mps2: f64,
-    /// Efficiency index: bound on |Dd'|, m/s.
-    pub gap_error_rate_bound_mps: f64,
-    /// States from which the guarantee must hold, [m, m/s, m/s², m/s²].
-    pub start_set: Vec<[f64; STATES]>,
+parameters! {
+    /// Conditions of a design. The default is the reference design, a reconstruction: the paper prints none of them.
+    #[derive(Deserialize, Serialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct Parameters {
+        /// Ts: period of the increments, s.
+        sample_time_s: f64 = 0.1, "s", 1e-3..=1.0, "Chosen.";
+        /// T: time constant of the acceleration, s.
+        actuator_lag_s: f64 = 0.45, "s", 1e-2..=10.0, "Chosen.";
+        /// c0 of the desired gap c0 + c1 v + c2 v², m.
+        gap_constant_m: f64 = 5.0, "m", 0.0..=100.0, "Chosen.";
+        /// c1, s.
+        gap_slope_s: f64 = 1.5, "s", 0.0..=10.0, "Chosen.";
+        /// c2, s²/m.
+        gap_curvature_s2pm: f64 = 0.0285, "s²/m", 0.0..=1.0, "Chosen.";
+        /// Speed of rule 1, m/s.
+        least_speed_mps: f64 = 5.0, "m/s", 0.0..=100.0, "Chosen.";
+        /// Speed of rule 2, m/s.
+        greatest_speed_mps: f64 = 36.0, "m/s", 1.0..=150.0, "Chosen.";
+        /// Bound on the lead's acceleration |a_p|, m/s².
+        lead_acceleration_mps2: f64 = 1.5, "m/s²", 1e-3..=15.0, "Chosen.";
+        /// Bound on the noise of the gap error, m.
+        gap_noise_m: f64 = 0.25, "m", 1e-4..=100.0, "Chosen.";
+        /// Bound on the noise of the speed error, m/s.
+        speed_noise_mps: f64 = 0.1, "m/s", 1e-4..=50.0, "Chosen.";
+        /// Bound on the noise of the acceleration, m/s².
+        acceleration_noise_mps2: f64 = 0.05, "m/s²", 1e-4..=15.0, "Chosen.";
+        /// Safety index: bound on |Dd|, m.
+        gap_error_bound_m: f64 = 30.0, "m", 1e-2..=1e3, "Chosen.";
+        /// Safety index: bound on |Dv|, m/s.
+        speed_error_bound_mps: f64 = 12.0, "m/s", 1e-2..=150.0, "Chosen.";
+        /// Comfort index: bound on |a|, m/s².
+        acceleration_bound_mps2: f64 = 3.5, "m/s²", 1e-2..=15.0, "Chosen.";
+        /// Comfort index: bound on |u|, m/s².
+        request_bound_mps2: f64 = 3.5, "m/s²", 1e-2..=15.0, "Chosen.";
+        /// Handiness index: bound on |Du| in one sample, m/s².
+        increment_bound_mps2: f64 = 0.6, "m/s²", 1e-3..=15.0, "Chosen.";
+        /// Efficiency index: bound on |Dd'|, m/s.
+        gap_error_rate_bound_mps: f64 = 15.0, "m/s", 1e-2..=150.0, "Chosen.";
+        others {
+            /// States from which the guarantee must hold, [m, m/s, m/s², m/s²].
+            /// By default behind leads that are 20 and 30 km/h slower.
+            start_set: Vec<[f64; STATES]> = vec![[17.0, -5.56, 0.0, 0.0], [20.0, -8.34, 0.0, 0.0]];
+        }
+    }
 }
 
 impl Parameters {
-    /// The values of the reference design, a reconstruction: the paper prints none of them.
-    #[must_use]
-    pub fn reference() -> Self {
-        Self {
-            sample_time_s: 0.1,
-            actuator_lag_s: 0.45,
-            gap_constant_m: 5.0,
-            gap_slope_s: 1.5,
-            gap_curvature_s2pm: 0.0285,
-            least_speed_mps: 5.0,
-            greatest_speed_mps: 36.0,
-            lead_acceleration_mps2: 1.5,
-            gap_noise_m: 0.25,
-            speed_noise_mps: 0.1,
-            acceleration_noise_mps2: 0.05,
-            gap_error_bound_m: 30.0,
-            speed_error_bound_mps: 12.0,
-            acceleration_bound_mps2: 3.5,
-            request_bound_mps2: 3.5,
-            increment_bound_mps2: 0.6,
-            gap_error_rate_bound_mps: 15.0,
-            // Behind leads that are 20 and 30 km/h slower.
-            start_set: vec![[17.0, -5.56, 0.0, 0.0], [20.0, -8.34, 0.0, 0.0]],
-        }
-    }
-
     /// Checks every value.
     ///
     /// # Errors
     /// The first key that is not usable.
     pub fn check(&self) -> Result<(), SettingError> {
-        let ranges = [
-            ("sample_time_s", self.sample_time_s, 1e-3, 1.0),
-            ("actuator_lag_s", self.actuator_lag_s, 1e-2, 10.0),
-            ("gap_constant_m", self.gap_constant_m, 0.0, 100.0),
-            ("gap_slope_s", self.gap_slope_s, 0.0, 10.0),
-            ("gap_curvature_s2pm", self.gap_curvature_s2pm, 0.0, 1.0),
-            ("least_speed_mps", self.least_speed_mps, 0.0, 100.0),
-            ("greatest_speed_mps", self.greatest_speed_mps, 1.0, 150.0),
-            ("lead_acceleration_mps2", self.lead_acceleration_mps2, 1e-3, 15.0),
-            ("gap_noise_m", self.gap_noise_m, 1e-4, 100.0),
-            ("speed_noise_mps", self.speed_noise_mps, 1e-4, 50.0),
-            ("acceleration_noise_mps2", self.acceleration_noise_mps2, 1e-4, 15.0),
-            ("gap_error_bound_m", self.gap_error_bound_m, 1e-2, 1e3),
-            ("speed_error_bound_mps", self.speed_error_bound_mps, 1e-2, 150.0),
-            ("acceleration_bound_mps2", self.acceleration_bound_mps2, 1e-2, 15.0),
-            ("request_bound_mps2", self.request_bound_mps2, 1e-2, 15.0),
-            ("increment_bound_mps2", self.increment_bound_mps2, 1e-3, 15.0),
-            ("gap_error_rate_bound_mps", self.gap_error_rate_bound_mps, 1e-2, 150.0),
-        ];
-        for (key, value, least, most) in ranges {
-            within(key, value, least, most)?;
-        }
+        Number::of("", self).iter().try_for_each(Number::check)?;
         within("greatest_speed_mps", self.greatest_speed_mps, self.least_speed_mps + 1e-3, 150.0)?;
         within("start_set (count)", self.start_set.len() as f64, 0.0, 16.0)?;
         self.start_set.iter().flatten().try_for_each(|v| within("start_set", *v, -1e3, 1e3))
@@ -231,7 +190,7 @@ mod tests {
     /// rho is affine in v, so the two rules blend to the true derivative: the model is exact.
     #[test]
     fn the_two_rules_blend_to_the_true_model() {
-        let p = Parameters::reference();
+        let p = Parameters::default();
         for v in [5.0, 12.3, 20.0, 36.0] {
             let blended: f64 =
                 p.memberships(v).iter().zip(p.rule_derivatives_s()).map(|(h, r)| h * r).sum();
@@ -241,14 +200,14 @@ mod tests {
 
     #[test]
     fn the_desired_gap_at_110_kmh() {
-        assert!((Parameters::reference().desired_gap_m(110.0 / 3.6) - 77.4).abs() < 0.1);
+        assert!((Parameters::default().desired_gap_m(110.0 / 3.6) - 77.4).abs() < 0.1);
     }
 
     #[test]
     fn a_bad_value_names_its_key() {
-        let base = Parameters::reference;
+        let base = Parameters::default;
         assert_eq!(base().check(), Ok(()));
-        let key = |p: Parameters| p.check().expect_err("must be refused").key();
+        let key = |p: Parameters| p.check().expect_err("must be refused").key().to_owned();
         assert_eq!(key(Parameters { actuator_lag_s: 0.0, ..base() }), "actuator_lag_s");
         assert_eq!(key(Parameters { gap_noise_m: f64::NAN, ..base() }), "gap_noise_m");
         assert_eq!(key(Parameters { least_speed_mps: 36.0, ..base() }), "greatest_speed_mps");

@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn urgency_counts_closing_alone() {
-        let p = Parameters::reference();
+        let p = Parameters::default();
         assert_eq!(urgency(&p, 20.0, 3.0), 0.0);
         assert!((urgency(&p, 55.0, -10.0) - 0.5).abs() < 1e-12);
         assert!(urgency(&p, 1.0, -1.0) > 100.0);

@@ -1,6 +1,7 @@
 //! The settings of the law outside its design.
 
-use crate::settings::{self, Ranges};
+use crate::settings::{self, Number};
+use parameters::parameters;
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -15,37 +16,27 @@ pub enum GainSource {
     Printed,
 }
 
-/// Settings of the law outside its design, as `[controller.quadratic_bounded]` holds them.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Schema)]
-#[serde(default, deny_unknown_fields)]
-pub struct Settings {
-    /// Source of the gains: the certified design, or the paper as it is printed.
-    pub gains: GainSource,
-    /// Path of a design file; absent: the design that comes with the law.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub design: Option<String>,
-    /// Targets beyond this range are not followed, m.
-    pub sensor_range_m: f64,
-    /// Gap errors above this are taken for this, m.
-    pub gap_error_limit_m: f64,
-    /// Gap errors that would make V larger than this are taken for smaller ones.
-    pub envelope_limit: f64,
-    /// Full braking of the fall-back, m/s² (positive).
-    pub fall_back_braking_mps2: f64,
-    /// Hardest deceleration of the lead that the fall-back assumes, m/s² (positive).
-    pub lead_deceleration_mps2: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            gains: GainSource::Certified,
-            design: None,
-            sensor_range_m: 150.0,
-            gap_error_limit_m: 20.0,
-            envelope_limit: 0.98,
-            fall_back_braking_mps2: 6.0,
-            lead_deceleration_mps2: 9.0,
+parameters! {
+    /// Settings of the law outside its design, as `[controller.quadratic_bounded]` holds them.
+    #[derive(Deserialize, Serialize, Schema)]
+    #[serde(default, deny_unknown_fields)]
+    pub struct Settings {
+        /// Targets beyond this range are not followed, m.
+        sensor_range_m: f64 = 150.0, "m", 1.0..=1000.0, "Chosen.";
+        /// Gap errors above this are taken for this, m.
+        gap_error_limit_m: f64 = 20.0, "m", 0.0..=1000.0, "Chosen.";
+        /// Gap errors that would make V larger than this are taken for smaller ones.
+        envelope_limit: f64 = 0.98, "1", 0.01..=1.0, "Chosen.";
+        /// Full braking of the fall-back, m/s² (positive).
+        fall_back_braking_mps2: f64 = 6.0, "m/s²", 1.0..=12.0, "Chosen.";
+        /// Hardest deceleration of the lead that the fall-back assumes, m/s² (positive).
+        lead_deceleration_mps2: f64 = 9.0, "m/s²", 0.5..=12.0, "Chosen.";
+        others {
+            /// Source of the gains: the certified design, or the paper as it is printed.
+            gains: GainSource = GainSource::Certified;
+            /// Path of a design file; absent: the design that comes with the law.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            design: Option<String> = None;
         }
     }
 }
@@ -61,11 +52,7 @@ impl Settings {
 }
 
 impl settings::Settings for Settings {
-    fn ranges(&self, see: &mut Ranges<'_>) {
-        see.within("sensor_range_m", self.sensor_range_m, 1.0, 1000.0);
-        see.within("gap_error_limit_m", self.gap_error_limit_m, 0.0, 1000.0);
-        see.within("envelope_limit", self.envelope_limit, 0.01, 1.0);
-        see.within("fall_back_braking_mps2", self.fall_back_braking_mps2, 1.0, 12.0);
-        see.within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0);
+    fn numbers(&self) -> Vec<Number> {
+        Number::of("", self)
     }
 }

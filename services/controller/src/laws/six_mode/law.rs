@@ -9,7 +9,8 @@ use super::parameters::{Parameters, Spacing, Variant};
 use super::requests;
 use crate::following::kinematics::Motion;
 use crate::following::soft_stop::{Room, soften, within_set_speed};
-use crate::law::{Ego, Figure, Formulation, Input, Law, Output, Quality, Target};
+use crate::law::{Ego, Figure, Formulation, Input, Law, Output, Quality};
+use crate::laws::checked::Checked;
 use crate::settings::{SettingError, Settings as _};
 
 /// Samples in the mean of the decelerate mode.
@@ -53,14 +54,6 @@ pub struct SixMode {
     samples: usize,
     /// Request of the last step, m/s².
     request: f64,
-}
-
-/// Usable input of a step.
-struct Checked {
-    ego: Ego,
-    target: Option<Target>,
-    set_speed: f64,
-    period: f64,
 }
 
 impl SixMode {
@@ -114,7 +107,7 @@ impl SixMode {
         };
         let time_constant = if robust { p.filter_time_s } else { 0.0 };
         let (gap_m, relative_mps) =
-            self.filter.update(target, &input.ego, input.period, time_constant);
+            self.filter.update(target, &input.ego, input.period_s, time_constant);
         modes::in_range(p, self.mode, gap_m, robust).then_some(Situation {
             gap_m,
             speed_mps: input.ego.speed_mps,
@@ -145,7 +138,7 @@ impl SixMode {
         };
         if self.has_graded_braking() && mode != Mode::Avoid {
             let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
-            if avoid::is_needed(p, &s, &input.ego, target_mps2, demand, input.period) {
+            if avoid::is_needed(p, &s, &input.ego, target_mps2, demand, input.period_s) {
                 let fully = -p.braking_mps2;
                 self.enter(Mode::Avoid, Reason::TargetBraking);
                 return Some(fully);
@@ -183,12 +176,13 @@ impl SixMode {
         let (p, ego) = (&self.parameters, &input.ego);
         let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
         if self.mode == Some(Mode::Avoid) {
-            return avoid::graded(p, s, ego, target_mps2, self.request, input.period).min(cruise);
+            return avoid::graded(p, s, ego, target_mps2, self.request, input.period_s).min(cruise);
         }
         if demand >= -p.approach_limit_mps2 {
             return demand;
         }
-        avoid::enough(p, s, ego, target_mps2, input.period).map_or(demand, |most| demand.max(most))
+        avoid::enough(p, s, ego, target_mps2, input.period_s)
+            .map_or(demand, |most| demand.max(most))
     }
 
     /// Bounds the request and, in the robust law, its rate.
@@ -252,7 +246,7 @@ impl Law for SixMode {
 
     fn step(&mut self, input: &Input, output: &mut Output) {
         *output = Output::default();
-        if let Some(input) = check(input) {
+        if let Some(input) = Checked::of(input) {
             let seen = self.observe(&input);
             let seen = seen.map(|s| {
                 let p = &self.parameters;
@@ -263,7 +257,8 @@ impl Law for SixMode {
                 };
                 (s, b)
             });
-            let cruise = requests::cruise(&self.parameters, input.set_speed, input.ego.speed_mps);
+            let cruise =
+                requests::cruise(&self.parameters, input.set_speed_mps, input.ego.speed_mps);
             let decided = self.decide(cruise, &input, seen);
             if let Some(demand) = decided {
                 let demand = self.mean(demand);
@@ -271,11 +266,11 @@ impl Law for SixMode {
                     Some((s, _)) => self.grade(demand, cruise, &input, &s),
                     None => demand,
                 };
-                let demand = within_set_speed(demand, input.set_speed);
+                let demand = within_set_speed(demand, input.set_speed_mps);
                 let demand = self.soften(demand, &input.ego, seen.map(|(s, _)| s));
-                self.request = self.limit(demand, input.period);
+                self.request = self.limit(demand, input.period_s);
             }
-            self.held_s += input.period;
+            self.held_s += input.period_s;
             output.set_request(self.request);
             if let Some((s, b)) = seen {
                 output.figures[..6].copy_from_slice(&[
@@ -300,14 +295,4 @@ impl Law for SixMode {
         let least = LEVELS_MPS2[PARTS - 1];
         (least.min(-self.parameters.braking_mps2), self.parameters.largest_mps2())
     }
-}
-
-/// The input, if every value the law uses is one that a vehicle can have.
-fn check(input: &Input) -> Option<Checked> {
-    input.is_plausible().then(|| Checked {
-        ego: Ego { speed_mps: input.ego.speed_mps.max(0.0), ..input.ego },
-        target: input.target,
-        set_speed: input.wanted_speed_mps(),
-        period: input.period_s,
-    })
 }

@@ -102,7 +102,7 @@ pub static SIX_MODE: Descriptor = Descriptor {
     trucks_alone: false,
     build: |reader| {
         let parameters: Parameters = reader.table(TABLE.name)?;
-        reader.without(TABLE.name, parameters.unused());
+        reader.without(TABLE.name, &parameters.unused());
         let law = SixMode::new(parameters);
         Ok(Box::new(law.map_err(|error| error.in_table("controller.six_mode"))?))
     },

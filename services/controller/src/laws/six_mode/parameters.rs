@@ -1,7 +1,7 @@
 //! Parameters of the law, as the table `[controller.six_mode]` holds them.
 //!
 //! [`Parameters::published`] names what the paper prints and what is inferred from it. All other defaults are chosen.
-//! The comment beside a number is its effect on 16 everyday scenes without the emergency brake. These are four cut-ins,
+//! The origin of a number is its effect on 16 everyday scenes without the emergency brake. These are four cut-ins,
 //! stops, braking leads and cut-outs each. "No change" means less than 2 % of each figure, and no collision.
 //!
 //! ```sh
@@ -12,10 +12,11 @@
 //! The base: least gap 19.8 m, hardest braking 2.84 m/s², rms jerk 0.554 m/s³ (means of the scenes). There is no
 //! collision.
 
+use parameters::{Table as _, parameters};
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{Ranges, SettingError, Settings, below};
+use crate::settings::{Number, SettingError, Settings, below};
 
 /// The paper's acceleration below the set speed and in the accelerate mode, m/s².
 const PAPER_ACCELERATION_MPS2: f64 = 1.0;
@@ -55,136 +56,85 @@ pub enum Parts {
     Smooth,
 }
 
-/// Parameters of the six-mode law; the default is the road set, which `six-mode` drives.
-///
-/// The second group acts in the robust variant only.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Schema)]
-#[serde(default, deny_unknown_fields)]
-pub struct Parameters {
-    /// Variant that runs.
-    pub variant: Variant,
-    /// a_h: the ego's full braking, m/s² (positive).
-    // At 3: least gap +5 %, hardest braking -29 %, rms jerk +37 %; at 7.5: hardest braking +10 %, rms jerk -12 %.
-    pub braking_mps2: f64,
-    /// a_p: the hardest braking expected of a target, m/s² (positive, above a_h).
-    // At 6.4: rms jerk -8 %; at 10: rms jerk +9 %.
-    pub lead_braking_mps2: f64,
-    /// a: the deceleration behind the warning distance, m/s² (positive).
-    // At 0.5: least gap +2 %; at 2: least gap -2 %, hardest braking -3 %, rms jerk -4 %.
-    pub warning_deceleration_mps2: f64,
-    /// t1: driver and system reaction time, s.
-    // At 0.55: least gap -4 %, hardest braking -4 %, rms jerk -14 %. At 2.2: least gap +7 %, hardest braking -9 %, rms
-    // jerk +44 %.
-    pub reaction_time_s: f64,
-    /// R0: gap left after an emergency stop, m.
-    // At 2: least gap -7 %, rms jerk -2 %; at 8: least gap +14 %, rms jerk -3 %.
-    pub standstill_gap_m: f64,
-    /// Targets beyond this range are not followed, m.
-    // At 90: least gap -3 %, hardest braking +5 %, rms jerk +5 %; at 360: no change.
-    pub sensor_range_m: f64,
-    /// k: closing speed from which steady driving becomes an approach, m/s.
-    // No change at 0.25 and 1.
-    pub approach_threshold_mps: f64,
-    /// k_c: relative speeds below this are regulated proportionally, m/s.
-    // No change at 0.075 and 0.3.
-    pub steady_band_mps: f64,
-    /// k1: gain of the cruise law, 1/s.
-    // No change at 0.5 and 2.
-    pub cruise_gain_per_s: f64,
-    /// k3: gain of the steady law, 1/s.
-    // No change at 0.01 and 0.04.
-    pub steady_gain_per_s: f64,
-
-    /// Request of the accelerate mode and largest request of all, m/s² (literal: the paper's 1).
-    // At 0.9: rms jerk -3 %; at 3.6: no change.
-    pub acceleration_mps2: f64,
-    /// Division of the decelerate mode into its eight levels.
-    pub deceleration_parts: Parts,
-    /// Places of R_x and R_j (trap 6).
-    pub spacing: Spacing,
-    /// Time gap in R_x under `spacing = "time-gap"`, s.
-    // At 0.75: least gap -3 %, rms jerk -3 %; at 3: least gap +16 %, hardest braking -10 %, rms jerk +17 %.
-    pub time_gap_s: f64,
-    /// Gap kept beyond R_w under `spacing = "time-gap"`, m.
-    // At 0.5: no change; at 2: rms jerk -3 %.
-    pub margin_m: f64,
-    /// Least width of the decelerate band, R_w - R_b, m (trap 1).
-    // At 1: rms jerk -6 %; at 4: least gap +3 %, hardest braking -3 %, rms jerk +3 %.
-    pub least_band_m: f64,
-    /// Hardest braking of the approach law, m/s² (positive; trap 3).
-    // At 0.5: least gap -4 %, rms jerk -5 %; at 2: least gap +3 %, hardest braking +6 %, rms jerk +12 %.
-    pub approach_limit_mps2: f64,
-    /// Floor of the approach law's denominator R - R_w, m (trap 3).
-    // At 1: no change; at 4: rms jerk -3 %.
-    pub approach_floor_m: f64,
-    /// Distance below R_j to which the gap must fall to end the accelerate mode, m (trap 4).
-    // No change at 1.5 and 6.
-    pub following_hysteresis_m: f64,
-    /// Relative speed that counts as opening or closing once the other held, m/s (trap 5).
-    // No change at 0.05 and 0.2.
-    pub sign_band_mps: f64,
-    /// Steady driving accelerates less when the gap is within this of R_w, m (trap 6).
-    // At 5: rms jerk +3 %; at 20: no change.
-    pub opening_fade_m: f64,
-    /// The avoid mode ends this far above R_b, m (trap 7).
-    // At 1.5: rms jerk +3 %; at 6: no change.
-    pub braking_hysteresis_m: f64,
-    /// The decelerate mode ends this far above R_w, m (trap 8).
-    // At 0.5: rms jerk -3 %; at 2: no change.
-    pub warning_hysteresis_m: f64,
-    /// Half width of the hysteresis on k, m/s (trap 8).
-    // No change at 0.075 and 0.3.
-    pub threshold_hysteresis_mps: f64,
-    /// Least time in a mode before it may end, except into 1, 4 and 5, s (trap 8).
-    // No change at 0.4 and 1.6.
-    pub dwell_s: f64,
-    /// Time constant of the filter on gap and target speed, s; 0 switches it off (trap 8).
-    // At 0.15: hardest braking -2 %, rms jerk +2 %; at 0.6: least gap -5 %, rms jerk -9 %.
-    pub filter_time_s: f64,
-    /// A target is taken up only this far inside the sensor range, m (trap 9).
-    // No change at 1 and 4.
-    pub range_hysteresis_m: f64,
-    /// Limit on the rate of the request outside the avoid mode, m/s³ (trap 9).
-    // At 2.5: rms jerk -17 %; at 10: rms jerk +5 %.
-    pub jerk_limit_mps3: f64,
-    /// Limit on the rate at which the avoid mode applies the brake, m/s³ (trap 9).
-    // No change at 10 and 40.
-    pub emergency_jerk_limit_mps3: f64,
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Self {
-            variant: Variant::Robust,
-            braking_mps2: 6.0,
-            lead_braking_mps2: 8.0,
-            warning_deceleration_mps2: 1.0,
-            reaction_time_s: 1.1,
-            standstill_gap_m: 4.0,
-            sensor_range_m: 180.0,
-            approach_threshold_mps: 0.5,
-            steady_band_mps: 0.15,
-            cruise_gain_per_s: 1.0,
-            steady_gain_per_s: 0.02,
-            acceleration_mps2: 1.8,
-            deceleration_parts: Parts::Smooth,
-            spacing: Spacing::TimeGap,
-            time_gap_s: 1.5,
-            margin_m: 1.0,
-            least_band_m: 2.0,
-            approach_limit_mps2: 1.0,
-            approach_floor_m: 2.0,
-            following_hysteresis_m: 3.0,
-            sign_band_mps: 0.1,
-            opening_fade_m: 10.0,
-            braking_hysteresis_m: 3.0,
-            warning_hysteresis_m: 1.0,
-            threshold_hysteresis_mps: 0.15,
-            dwell_s: 0.8,
-            filter_time_s: 0.3,
-            range_hysteresis_m: 2.0,
-            jerk_limit_mps3: 5.0,
-            emergency_jerk_limit_mps3: 20.0,
+parameters! {
+    /// Parameters of the six-mode law; the default is the road set, which `six-mode` drives.
+    ///
+    /// Rows from `acceleration_mps2` on act in the robust variant only.
+    #[derive(Deserialize, Serialize, Schema)]
+    #[serde(default, deny_unknown_fields)]
+    pub struct Parameters {
+        /// a_h: the ego's full braking, m/s² (positive).
+        braking_mps2: f64 = 6.0, "m/s²", above 0.0..=12.0,
+            "At 3: least gap +5 %, hardest braking -29 %, rms jerk +37 %; at 7.5: hardest braking +10 %, rms jerk \
+             -12 %.";
+        /// a_p: the hardest braking expected of a target, m/s² (positive, above a_h).
+        lead_braking_mps2: f64 = 8.0, "m/s²", above 0.0..=15.0, "At 6.4: rms jerk -8 %; at 10: rms jerk +9 %.";
+        /// a: the deceleration behind the warning distance, m/s² (positive).
+        warning_deceleration_mps2: f64 = 1.0, "m/s²", above 0.0..=12.0,
+            "At 0.5: least gap +2 %; at 2: least gap -2 %, hardest braking -3 %, rms jerk -4 %.";
+        /// t1: driver and system reaction time, s.
+        reaction_time_s: f64 = 1.1, "s", 0.0..=10.0,
+            "At 0.55: least gap -4 %, hardest braking -4 %, rms jerk -14 %. At 2.2: least gap +7 %, hardest braking \
+             -9 %, rms jerk +44 %.";
+        /// R0: gap left after an emergency stop, m.
+        standstill_gap_m: f64 = 4.0, "m", above 0.0..=50.0,
+            "At 2: least gap -7 %, rms jerk -2 %; at 8: least gap +14 %, rms jerk -3 %.";
+        /// Targets beyond this range are not followed, m.
+        sensor_range_m: f64 = 180.0, "m", above 0.0..=1000.0,
+            "At 90: least gap -3 %, hardest braking +5 %, rms jerk +5 %; at 360: no change.";
+        /// k: closing speed from which steady driving becomes an approach, m/s.
+        approach_threshold_mps: f64 = 0.5, "m/s", above 0.0..=20.0, "No change at 0.25 and 1.";
+        /// k_c: relative speeds below this are regulated proportionally, m/s.
+        steady_band_mps: f64 = 0.15, "m/s", 0.0..=20.0, "No change at 0.075 and 0.3.";
+        /// k1: gain of the cruise law, 1/s.
+        cruise_gain_per_s: f64 = 1.0, "1/s", above 0.0..=10.0, "No change at 0.5 and 2.";
+        /// k3: gain of the steady law, 1/s.
+        steady_gain_per_s: f64 = 0.02, "1/s", 0.0..=10.0, "No change at 0.01 and 0.04.";
+        /// Request of the accelerate mode and largest request of all, m/s² (literal: the paper's 1).
+        acceleration_mps2: f64 = 1.8, "m/s²", 0.2..=5.0, "At 0.9: rms jerk -3 %; at 3.6: no change.";
+        /// Time gap in R_x under `spacing = "time-gap"`, s.
+        time_gap_s: f64 = 1.5, "s", above 0.0..=10.0,
+            "At 0.75: least gap -3 %, rms jerk -3 %; at 3: least gap +16 %, hardest braking -10 %, rms jerk +17 %.";
+        /// Gap kept beyond R_w under `spacing = "time-gap"`, m.
+        margin_m: f64 = 1.0, "m", 0.0..=50.0, "At 0.5: no change; at 2: rms jerk -3 %.";
+        /// Least width of the decelerate band, R_w - R_b, m (trap 1).
+        least_band_m: f64 = 2.0, "m", above 0.0..=50.0,
+            "At 1: rms jerk -6 %; at 4: least gap +3 %, hardest braking -3 %, rms jerk +3 %.";
+        /// Hardest braking of the approach law, m/s² (positive; trap 3).
+        approach_limit_mps2: f64 = 1.0, "m/s²", above 0.0..=12.0,
+            "At 0.5: least gap -4 %, rms jerk -5 %; at 2: least gap +3 %, hardest braking +6 %, rms jerk +12 %.";
+        /// Floor of the approach law's denominator R - R_w, m (trap 3).
+        approach_floor_m: f64 = 2.0, "m", above 0.0..=50.0, "At 1: no change; at 4: rms jerk -3 %.";
+        /// Distance below R_j to which the gap must fall to end the accelerate mode, m (trap 4).
+        following_hysteresis_m: f64 = 3.0, "m", 0.0..=100.0, "No change at 1.5 and 6.";
+        /// Relative speed that counts as opening or closing once the other held, m/s (trap 5).
+        sign_band_mps: f64 = 0.1, "m/s", 0.0..=5.0, "No change at 0.05 and 0.2.";
+        /// Steady driving accelerates less when the gap is within this of R_w, m (trap 6).
+        opening_fade_m: f64 = 10.0, "m", above 0.0..=100.0, "At 5: rms jerk +3 %; at 20: no change.";
+        /// The avoid mode ends this far above R_b, m (trap 7).
+        braking_hysteresis_m: f64 = 3.0, "m", 0.0..=100.0, "At 1.5: rms jerk +3 %; at 6: no change.";
+        /// The decelerate mode ends this far above R_w, m (trap 8).
+        warning_hysteresis_m: f64 = 1.0, "m", 0.0..=100.0, "At 0.5: rms jerk -3 %; at 2: no change.";
+        /// Half width of the hysteresis on k, m/s (trap 8).
+        threshold_hysteresis_mps: f64 = 0.15, "m/s", 0.0..=5.0, "No change at 0.075 and 0.3.";
+        /// Least time in a mode before it may end, except into 1, 4 and 5, s (trap 8).
+        dwell_s: f64 = 0.8, "s", 0.0..=10.0, "No change at 0.4 and 1.6.";
+        /// Time constant of the filter on gap and target speed, s; 0 switches it off (trap 8).
+        filter_time_s: f64 = 0.3, "s", 0.0..=10.0,
+            "At 0.15: hardest braking -2 %, rms jerk +2 %; at 0.6: least gap -5 %, rms jerk -9 %.";
+        /// A target is taken up only this far inside the sensor range, m (trap 9).
+        range_hysteresis_m: f64 = 2.0, "m", 0.0..=100.0, "No change at 1 and 4.";
+        /// Limit on the rate of the request outside the avoid mode, m/s³ (trap 9).
+        jerk_limit_mps3: f64 = 5.0, "m/s³", above 0.0..=1000.0, "At 2.5: rms jerk -17 %; at 10: rms jerk +5 %.";
+        /// Limit on the rate at which the avoid mode applies the brake, m/s³ (trap 9).
+        emergency_jerk_limit_mps3: f64 = 20.0, "m/s³", above 0.0..=1000.0, "No change at 10 and 40.";
+        others {
+            /// Variant that runs.
+            variant: Variant = Variant::Robust;
+            /// Division of the decelerate mode into its eight levels.
+            deceleration_parts: Parts = Parts::Smooth;
+            /// Places of R_x and R_j (trap 6).
+            spacing: Spacing = Spacing::TimeGap;
         }
     }
 }
@@ -192,32 +142,16 @@ impl Default for Parameters {
 impl Parameters {
     /// The keys that the chosen variant and spacing do not use.
     #[must_use]
-    pub(super) fn unused(&self) -> &'static [&'static str] {
+    pub(super) fn unused(&self) -> Vec<&'static str> {
         match (self.variant, self.spacing) {
-            (Variant::Literal, _) => &[
-                "acceleration_mps2",
-                "deceleration_parts",
-                "spacing",
-                "time_gap_s",
-                "margin_m",
-                "least_band_m",
-                "approach_limit_mps2",
-                "approach_floor_m",
-                "following_hysteresis_m",
-                "sign_band_mps",
-                "opening_fade_m",
-                "braking_hysteresis_m",
-                "warning_hysteresis_m",
-                "threshold_hysteresis_mps",
-                "dwell_s",
-                "filter_time_s",
-                "range_hysteresis_m",
-                "jerk_limit_mps3",
-                "emergency_jerk_limit_mps3",
-            ],
-            (Variant::Robust, Spacing::Paper) => &["time_gap_s", "margin_m"],
+            (Variant::Literal, _) => {
+                let rows = Self::ROWS.iter().map(|row| row.name);
+                let of_robust = rows.skip_while(|name| *name != "acceleration_mps2");
+                of_robust.chain(["deceleration_parts", "spacing"]).collect()
+            }
+            (Variant::Robust, Spacing::Paper) => vec!["time_gap_s", "margin_m"],
             (Variant::Robust, Spacing::TimeGap) => {
-                &["steady_band_mps", "steady_gain_per_s", "following_hysteresis_m"]
+                vec!["steady_band_mps", "steady_gain_per_s", "following_hysteresis_m"]
             }
         }
     }
@@ -263,34 +197,8 @@ impl Parameters {
 }
 
 impl Settings for Parameters {
-    fn ranges(&self, see: &mut Ranges<'_>) {
-        see.above("braking_mps2", self.braking_mps2, 0.0, 12.0);
-        see.above("lead_braking_mps2", self.lead_braking_mps2, 0.0, 15.0);
-        see.above("warning_deceleration_mps2", self.warning_deceleration_mps2, 0.0, 12.0);
-        see.above("standstill_gap_m", self.standstill_gap_m, 0.0, 50.0);
-        see.above("sensor_range_m", self.sensor_range_m, 0.0, 1000.0);
-        see.above("approach_threshold_mps", self.approach_threshold_mps, 0.0, 20.0);
-        see.above("cruise_gain_per_s", self.cruise_gain_per_s, 0.0, 10.0);
-        see.above("least_band_m", self.least_band_m, 0.0, 50.0);
-        see.above("approach_limit_mps2", self.approach_limit_mps2, 0.0, 12.0);
-        see.above("approach_floor_m", self.approach_floor_m, 0.0, 50.0);
-        see.above("opening_fade_m", self.opening_fade_m, 0.0, 100.0);
-        see.above("jerk_limit_mps3", self.jerk_limit_mps3, 0.0, 1000.0);
-        see.above("emergency_jerk_limit_mps3", self.emergency_jerk_limit_mps3, 0.0, 1000.0);
-        see.within("acceleration_mps2", self.acceleration_mps2, 0.2, 5.0);
-        see.above("time_gap_s", self.time_gap_s, 0.0, 10.0);
-        see.within("margin_m", self.margin_m, 0.0, 50.0);
-        see.within("reaction_time_s", self.reaction_time_s, 0.0, 10.0);
-        see.within("steady_band_mps", self.steady_band_mps, 0.0, 20.0);
-        see.within("steady_gain_per_s", self.steady_gain_per_s, 0.0, 10.0);
-        see.within("following_hysteresis_m", self.following_hysteresis_m, 0.0, 100.0);
-        see.within("sign_band_mps", self.sign_band_mps, 0.0, 5.0);
-        see.within("braking_hysteresis_m", self.braking_hysteresis_m, 0.0, 100.0);
-        see.within("warning_hysteresis_m", self.warning_hysteresis_m, 0.0, 100.0);
-        see.within("threshold_hysteresis_mps", self.threshold_hysteresis_mps, 0.0, 5.0);
-        see.within("dwell_s", self.dwell_s, 0.0, 10.0);
-        see.within("filter_time_s", self.filter_time_s, 0.0, 10.0);
-        see.within("range_hysteresis_m", self.range_hysteresis_m, 0.0, 100.0);
+    fn numbers(&self) -> Vec<Number> {
+        Number::of("", self)
     }
 
     fn check_together(&self) -> Result<(), SettingError> {
@@ -316,7 +224,7 @@ mod tests {
 
     #[test]
     fn a_bad_value_names_its_key() {
-        let bad = |p: Parameters| p.check().expect_err("must be refused").key();
+        let bad = |p: Parameters| p.check().expect_err("must be refused").key().to_owned();
         let base = Parameters::default();
         assert_eq!(bad(Parameters { braking_mps2: -4.0, ..base.clone() }), "braking_mps2");
         assert_eq!(bad(Parameters { braking_mps2: 9.0, ..base.clone() }), "braking_mps2");

@@ -10,7 +10,7 @@
 //! the drag and the auxiliaries' torque, is straightened.
 
 use super::settings::BoundKeys;
-use super::torque_bounds::torque_limits_nm;
+use super::torque::torque_limits_nm;
 use truck_model::Truck;
 
 /// Engine speeds at which a gear may be planned with, rpm: full power is reached before the upper one.

@@ -11,23 +11,18 @@
 //! for the limit downhill. The published law has no brakes: it commands engine torque, and warns. The key `brakes`
 //! takes them away.
 
-use super::bounds::{believable, guarded_nm, permitted, powertrain};
-use super::following::{self, LastResort, Means};
-use super::formulation::{
-    BAD_INPUT, CRUISE, FOLLOW, MAP_CONTRADICTS, NO_PLAN, PLAN, PREDICTIVE, TARGET, TARGET_GONE,
-    TOO_CLOSE, WARN,
-};
-use super::limiter;
-use super::map_trust::MapTrust;
+use super::bounds::{believable, guarded_nm, max_speed_mps, permitted, powertrain};
+use super::following::{self, LastResort, Means, Mode, Spacing};
 use super::planners::create;
-use super::reference::{Reference, Speeds};
 use super::settings::{Keys, PlannerKind, REQUESTS_MPS2, Settings};
-use super::spacing::{Mode, Spacing};
-use super::speed_band::max_speed_mps;
-use super::speed_keeper::SpeedKeeper;
 use super::target_filter::{Estimate, TargetFilter};
-use super::time_price::TimePrice;
-use super::tracking::Tracking;
+use super::time_price::{Reference, Speeds, TimePrice};
+use super::torque::{SpeedKeeper, limited};
+use super::tracking::{MapTrust, Tracking};
+use super::{
+    BAD_INPUT, CRUISE, FOLLOW, MAP_CONTRADICTS, NO_PLAN, PLAN, PREDICTIVE_MODE, TARGET,
+    TARGET_GONE, TOO_CLOSE, WARN,
+};
 use crate::law::{
     Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview,
     Quality, TorqueRequest,
@@ -183,7 +178,7 @@ impl Predictive {
             service_brake_n: demand.service_brake_n,
             gear: demand.gear,
         });
-        if self.state.mode != PREDICTIVE {
+        if self.state.mode != PREDICTIVE_MODE {
             return;
         }
         // The rest of the plan, by the plan's own speeds.
@@ -258,7 +253,10 @@ impl Law for Predictive {
                 demand
             }
             (None, Some(guidance)) => {
-                self.enter(PREDICTIVE, if self.state.mode >= FOLLOW { TARGET_GONE } else { PLAN });
+                self.enter(
+                    PREDICTIVE_MODE,
+                    if self.state.mode >= FOLLOW { TARGET_GONE } else { PLAN },
+                );
                 Demand {
                     engine_torque_nm: guarded_nm(&self.settings, input, &powertrain, &guidance),
                     service_brake_n: 0.0,
@@ -285,12 +283,12 @@ impl Law for Predictive {
         }
         let keys = self.settings.keys;
         let limit_mps = max_speed_mps(&keys.bounds, input.set_speed_mps, input.speed_limit_mps);
-        if self.state.mode == PREDICTIVE {
+        if self.state.mode == PREDICTIVE_MODE {
             self.account(input, powertrain.grade, keys.mean_speed * set_mps, limit_mps);
         } else {
             self.state.reference = Reference::default();
         }
-        let demand = limiter::limited(
+        let demand = limited(
             &self.settings.truck,
             demand,
             ego.speed_mps,

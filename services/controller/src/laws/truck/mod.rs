@@ -18,53 +18,43 @@
 //! |---|---|---|
 //! | every symbol as a key | | `settings` |
 //! | road classes, reconstruction | steps 1, 2 | `road_classes` |
-//! | bounds | step 3 | `speed_band`, `torque_bounds` |
+//! | bounds | step 3 | `bounds`, `torque` |
 //! | rolling optimisation, n = 2 | steps 3 to 6 | `paper_n2` |
-//! | dynamic programming | the better planner | `dynamic_programming`, `plan_steps`, `energy_grid`, `beyond` |
-//! | servo of the mean speed | beta | `time_price`, `reference` |
-//! | gap, modes | (14) to (16) | `spacing` |
-//! | accelerations, brakes | (17), (18) | `following` |
+//! | dynamic programming | the better planner | `dynamic_programming`, `energy_grid`, `gear_curve` |
+//! | servo of the mean speed | beta | `time_price` |
+//! | gap, modes, accelerations, brakes | (14) to (18) | `following` |
 //! | radar filter | | `target_filter` |
 
-mod beyond;
 mod bounds;
 mod dynamic_programming;
 pub mod energy_grid;
 mod following;
-mod formulation;
 mod gear_curve;
 mod law;
-pub mod limiter;
-mod map_trust;
 mod paper_n2;
-mod plan_steps;
 mod planners;
-pub mod prices;
-pub mod reference;
 mod road_classes;
 mod settings;
-mod spacing;
-pub mod speed_band;
-pub mod speed_keeper;
-pub mod target_filter;
+mod target_filter;
 mod time_price;
-mod torque_bounds;
+mod torque;
 mod tracking;
 
+pub use bounds::{SpeedBand, max_speed_mps, min_speed_mps};
 pub use dynamic_programming::DynamicProgramming;
+pub use following::Spacing;
 pub use law::Predictive;
 pub use paper_n2::PaperN2;
-pub use planners::create;
-pub use prices::Prices;
+pub use planners::{Prices, create};
 pub use road_classes::{LimitGrades, Reconstruction};
 pub use settings::{
     BoundKeys, Brakes, FilterKeys, FollowKeys, GapKeys, Keys, PlanKeys, PlannerKind, RoadKeys,
     Settings, TruckKeys,
 };
-pub use spacing::Spacing;
-pub use speed_band::SpeedBand;
+pub use time_price::{Reference, Speeds};
+pub use torque::{SpeedKeeper, limited};
 
-use crate::law::{Descriptor, GapPolicy, Law, Reader, TargetSource};
+use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader, TargetSource};
 use crate::settings::Table;
 use scenario::Problem;
 use truck_model::{Preset, Truck};
@@ -77,13 +67,52 @@ pub static PREDICTIVE: Descriptor = Descriptor {
     description: "predictive cruise of a heavy truck over hills (Li, Zheng, Wang, Wang)",
     source: "Li, Zheng, Wang, Wang (FAW Jiefang JH6)",
     table: Some(TABLE),
-    formulations: &[&formulation::FORMULATION],
-    formulation: |_| &formulation::FORMULATION,
+    formulations: &[&FORMULATION],
+    formulation: |_| &FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Measured,
     trucks_alone: true,
     build,
 };
+
+/// The meaning of the numbers in the output.
+static FORMULATION: Formulation = Formulation {
+    name: "truck",
+    caution: None,
+    modes: &["cruise", "predictive", "follow", "warn"],
+    reasons: &[
+        "none",
+        "plan",
+        "no_plan",
+        "map_contradicts",
+        "target",
+        "target_gone",
+        "too_close",
+        "bad_input",
+    ],
+    figures: &[
+        Figure::new("economic_speed_mps", "m/s"),
+        Figure::new("engine_torque_nm", "N m"),
+        Figure::new("gear", "1"),
+        Figure::new("time_price", "1"),
+        Figure::new("lag_s", "s"),
+        Figure::new("filtered_gap_m", "m"),
+        Figure::new("service_brake_n", "N"),
+        Figure::new("plan_ahead_m", "m"),
+    ],
+};
+
+const CRUISE: u32 = 0;
+const PREDICTIVE_MODE: u32 = 1;
+const FOLLOW: u32 = 2;
+const WARN: u32 = 3;
+const PLAN: u32 = 1;
+const NO_PLAN: u32 = 2;
+const MAP_CONTRADICTS: u32 = 3;
+const TARGET: u32 = 4;
+const TARGET_GONE: u32 = 5;
+const TOO_CLOSE: u32 = 6;
+const BAD_INPUT: u32 = 7;
 
 fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     let keys: Keys = reader.table(TABLE.name)?;

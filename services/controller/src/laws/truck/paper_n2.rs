@@ -8,11 +8,11 @@
 //! tried for each of those before it. The class of the road trims the first torque. K over a segment is the closed form
 //! (4), time over it Simpson's rule.
 
-use super::prices::Prices;
+use super::bounds::SpeedBand;
+use super::planners::Prices;
 use super::road_classes::{Class, LimitGrades, MOST_SEGMENTS, Reconstruction, Stretch};
 use super::settings::{Keys, Settings};
-use super::speed_band::SpeedBand;
-use super::torque_bounds::{torque_bounds_nm, torque_limits_nm};
+use super::torque::{torque_bounds_nm, torque_limits_nm};
 use crate::law::{Plan, PlanRequest, Planner};
 use truck_model::Truck;
 

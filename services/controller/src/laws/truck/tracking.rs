@@ -1,4 +1,5 @@
-//! The plan in hand: where the truck is in it, when it must be made anew, when it is stale.
+//! The plan in hand: where the truck is in it, when it must be made anew, when it is stale, and whether its map is
+//! trusted.
 //!
 //! The torque of the first segment is held to its end. A new plan is asked for there, at a gear change, and
 //! when the set speed changes. It is asked for when the speed is too far off (0.6 m/s, if nothing else is
@@ -81,7 +82,8 @@ impl Tracking {
         })
     }
 
-    /// The question to ask now, if any: at a price of time, and when the speed is `replan_mps` off.
+    /// Requests a new plan at a price of time, if the plan in hand does not hold: also if the speed is off by
+    /// `replan_mps`.
     pub(crate) fn request(
         &mut self,
         input: &Input,
@@ -121,5 +123,37 @@ impl Tracking {
             time_price,
             preview: *preview,
         })
+    }
+}
+
+/// Time constant of the average, s.
+const AVERAGING_S: f64 = 10.0;
+/// The mean difference at which the map is given up, and at which it is used again.
+const LIMITS: (f64, f64) = (0.012, 0.006);
+
+/// Whether the map describes the road that the truck feels.
+///
+/// The difference between the map's grade under the truck and the vehicle's own estimate is averaged over some seconds.
+/// Noise and a map shifted by some tens of metres stay far below the limit; another road does not.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MapTrust {
+    difference: f64,
+    lost: bool,
+}
+
+impl MapTrust {
+    /// Compares the map's grade with the felt one over `dt_s`; does nothing without a map.
+    pub fn update(&mut self, map: Option<f64>, own: f64, dt_s: f64) {
+        let Some(map) = map else { return };
+        let share = 1.0 - libm::exp(-dt_s / AVERAGING_S);
+        self.difference += share * (map - own - self.difference);
+        let limit = if self.lost { LIMITS.1 } else { LIMITS.0 };
+        self.lost = self.difference.abs() > limit;
+    }
+
+    /// True if the map contradicts the vehicle.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.lost
     }
 }

@@ -14,6 +14,35 @@
 //! as long as the hardest braking stops before it. A vehicle that stands at the line starts when green is shown, if it
 //! clears the line before red. The announcement has no part in it.
 
+use crate::law::{Figure, Formulation};
+
+/// The meaning of the numbers in the output.
+pub static FORMULATION: Formulation = Formulation {
+    name: "road",
+    caution: None,
+    modes: &["cruise", "follow", "pass", "stop"],
+    reasons: &[
+        "start",
+        "target-lost",
+        "target-found",
+        "green-in-reach",
+        "green-out-of-reach",
+        "stop-cheaper",
+        "clears-in-yellow",
+        "emergency",
+        "signal-unknown",
+    ],
+    figures: &[
+        Figure::new("gap_error_m", "m").meaning("desired minus real gap; positive: too close"),
+        Figure::new("speed_error_mps", "m/s").meaning("speed minus the target's"),
+        Figure::new("filter_correction_mps2", "m/s²"),
+        Figure::new("solver_residual", "1"),
+        Figure::new("pass_shortfall_m", "m"),
+        Figure::new("pass_cost", "1"),
+        Figure::new("stop_cost", "1"),
+    ],
+};
+
 /// Treatment of the nearest line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Choice {
@@ -23,11 +52,11 @@ pub(super) enum Choice {
     Stop,
 }
 
-/// Why.
+/// Why: the places of the words in the formulation's reasons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reason {
     /// The pass is possible and the better of the two.
-    GreenInReach,
+    GreenInReach = 3,
     /// The line cannot be reached in green.
     GreenOutOfReach,
     /// The stop costs less.

@@ -54,10 +54,7 @@
 //! | `w`, `d_th` | `RoadConfig::light_weight_m`, `light_threshold_m` | m |
 
 mod decision;
-mod fastest;
 mod filter;
-mod formulation;
-mod gates;
 mod lead;
 mod output;
 mod own_lag;
@@ -68,10 +65,9 @@ mod signals;
 
 use mpc_solver::{ProblemError, Solver};
 
+pub use self::decision::FORMULATION;
 use self::decision::{Choice, Situation, choose};
 use self::filter::{Filter, Gate, Rule};
-pub use self::formulation::FORMULATION;
-use self::formulation::reason_index;
 use self::own_lag::OwnLag;
 use self::planner::{Planner, Seen};
 use self::program::Deadline;
@@ -280,7 +276,7 @@ impl RoadLaw {
         };
         let (choice, reason) = choose(&situation, self.config.road.hysteresis);
         self.state.chosen = Some((line.id, choice));
-        Decision { choice: Some(choice), reason: reason_index(reason), shortfall_m }
+        Decision { choice: Some(choice), reason: reason as u32, shortfall_m }
     }
 
     /// Time after the end of green in which the line may still be crossed at a speed, s. A driver who brakes for the

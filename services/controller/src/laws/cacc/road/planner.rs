@@ -3,9 +3,8 @@
 use mpc_solver::{ProblemError, Solver, Start};
 
 use super::decision::Choice;
-use super::fastest::Fastest;
 use super::filter::{Filter, Gate as Held, Rule, safe_gap};
-use super::lead::Prediction;
+use super::lead::{Fastest, Prediction};
 use super::program::{Deadline, Programs};
 use super::reference::{Gate, Reference, SafeGapTable, Scene};
 use super::signals::Line;

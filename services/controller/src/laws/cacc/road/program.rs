@@ -30,8 +30,7 @@
 
 use mpc_solver::{Problem, ProblemError, Row, Softness};
 
-use super::fastest::Fastest;
-use super::lead::Prediction;
+use super::lead::{Fastest, Prediction};
 use super::reference::Reference;
 use crate::following::kinematics::{LagStep, Motion};
 use crate::laws::cacc::config::Config;

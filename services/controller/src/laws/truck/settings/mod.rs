@@ -1,9 +1,9 @@
-//! Keys of the law in a scenario. `tables` says how the effects beside the numbers were measured.
+//! Keys of the law in a scenario. `tables` says how the effects in the origins of the numbers were measured.
 
-mod numbers;
 mod tables;
 
-use crate::settings::{self, Ranges};
+use crate::settings::{self, Number};
+use parameters::parameters;
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 use truck_model::{Parameters, Truck};
@@ -90,60 +90,49 @@ pub enum Brakes {
     Service,
 }
 
-/// The law's table, `[controller.predictive]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, Schema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Keys {
-    /// Planner that drives.
-    pub planner: PlannerKind,
-    /// Brakes that the law may use; `none` is the paper's: torque from drag to full load alone.
-    pub brakes: Brakes,
-    /// Mean speed to keep on a free road, relative to the set speed.
-    // At 0.8: rms jerk -6 %, fuel -15.7 %.
-    pub mean_speed: f64,
-    /// Gap and modes (14) to (16).
-    pub gap: GapKeys,
-    /// Speed and acceleration behind a target (17), (18).
-    pub follow: FollowKeys,
-    /// Bounds of a plan (step 3).
-    pub bounds: BoundKeys,
-    /// Road ahead and its reconstruction (steps 1, 2).
-    pub road: RoadKeys,
-    /// Rolling optimisation (steps 4 to 6).
-    pub plan: PlanKeys,
-    /// Filter of the radar's target.
-    pub filter: FilterKeys,
-    /// The truck as the law assumes it (19) to (22).
-    pub truck: TruckKeys,
-}
-
-impl Default for Keys {
-    fn default() -> Self {
-        Self {
-            planner: PlannerKind::default(),
-            brakes: Brakes::default(),
-            mean_speed: 1.0,
-            gap: GapKeys::default(),
-            follow: FollowKeys::default(),
-            bounds: BoundKeys::default(),
-            road: RoadKeys::default(),
-            plan: PlanKeys::default(),
-            filter: FilterKeys::default(),
-            truck: TruckKeys::default(),
+parameters! {
+    /// The law's table, `[controller.predictive]`.
+    #[derive(Copy, Deserialize, Serialize, Schema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct Keys {
+        /// Mean speed to keep on a free road, relative to the set speed.
+        mean_speed: f64 = 1.0, "1", 0.8..=1.2, "At 0.8: rms jerk -6 %, fuel -15.7 %.";
+        others {
+            /// Planner that drives.
+            planner: PlannerKind = PlannerKind::default();
+            /// Brakes that the law may use; `none` is the paper's: torque from drag to full load alone.
+            brakes: Brakes = Brakes::default();
+            /// Gap and modes (14) to (16).
+            gap: GapKeys = GapKeys::DEFAULT;
+            /// Speed and acceleration behind a target (17), (18).
+            follow: FollowKeys = FollowKeys::DEFAULT;
+            /// Bounds of a plan (step 3).
+            bounds: BoundKeys = BoundKeys::DEFAULT;
+            /// Road ahead and its reconstruction (steps 1, 2).
+            road: RoadKeys = RoadKeys::DEFAULT;
+            /// Rolling optimisation (steps 4 to 6).
+            plan: PlanKeys = PlanKeys::DEFAULT;
+            /// Filter of the radar's target.
+            filter: FilterKeys = FilterKeys::DEFAULT;
+            /// The truck as the law assumes it (19) to (22).
+            truck: TruckKeys = TruckKeys::DEFAULT;
         }
     }
 }
 
 impl settings::Settings for Keys {
-    fn ranges(&self, see: &mut Ranges<'_>) {
-        see.within("mean_speed", self.mean_speed, 0.8, 1.2);
-        self.gap.ranges(see);
-        self.follow.ranges(see);
-        self.bounds.ranges(see);
-        self.road.ranges(see);
-        self.plan.ranges(see);
-        self.filter.ranges(see);
-        self.truck.ranges(see);
+    fn numbers(&self) -> Vec<Number> {
+        [
+            Number::of("", self),
+            Number::of("gap.", &self.gap),
+            Number::of("follow.", &self.follow),
+            Number::of("bounds.", &self.bounds),
+            Number::of("road.", &self.road),
+            Number::of("plan.", &self.plan),
+            Number::of("filter.", &self.filter),
+            Number::of("truck.", &self.truck),
+        ]
+        .concat()
     }
 }
 
