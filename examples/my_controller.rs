@@ -1,6 +1,6 @@
 //! A controller of your own in Rust: build it, then `timegap run following --service controller=PROGRAM`.
 
-use controller::law::{Descriptor, Formulation, GapPolicy, Input, Law, Output, TargetSource};
+use controller::law::{Descriptor, Formulation, GapPolicy, Input, Law, Output};
 
 struct TwoSeconds;
 
@@ -30,7 +30,7 @@ static LAW: Descriptor = Descriptor {
     formulations: &[&ONE],
     formulation: |_| &ONE,
     gap: GapPolicy::Internal,
-    target: TargetSource::Tracked,
+    measured_target: false,
     trucks_alone: false,
     build: |_| Ok(Box::new(TwoSeconds)),
 };

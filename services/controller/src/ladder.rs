@@ -7,7 +7,7 @@
 //! No law receives a target or a light from a sample that is older than the level's bound. Each level has a way back
 //! to full function. [`Ladder::most_mps2`] bounds a law's request while the road ahead is not seen.
 //!
-//! A release is on the first level of [`STRICTEST_FIRST`] whose state holds. [`PROOFS`] has the releases in a row by
+//! A release is on the first level of `STRICTEST_FIRST` whose state holds. `PROOFS` has the releases in a row by
 //! which an input or the law proves itself again.
 
 use self::caution::Caution;
@@ -242,12 +242,6 @@ impl Ladder {
     #[must_use]
     pub fn stale_odometry_s(&self) -> f64 {
         self.stale_odometry_s
-    }
-
-    /// The level without a command.
-    #[must_use]
-    pub fn level(&self) -> Level {
-        self.level
     }
 
     /// Writes a plan that brakes to standstill, in place of the law's and within its bounds. Braking is comfortable, or

@@ -9,9 +9,7 @@ use self::account::Account;
 use self::curves::CurveTopics;
 use self::inputs::Inputs;
 use crate::ladder::{Admission, Ages, Ladder};
-use crate::law::{
-    Descriptor, Formulation, Input, Law, MAX_FIGURES, MAX_PLAN, Output, TargetSource,
-};
+use crate::law::{Descriptor, Formulation, Input, Law, MAX_FIGURES, MAX_PLAN, Output};
 use crate::laws::external::{Asked, EXTERNAL, Questions};
 use crate::planning_thread::PlanningThread;
 use crate::plausibility::estimate::EgoEstimate;
@@ -158,7 +156,7 @@ impl Loop {
             },
             formulation: (descriptor.formulation)(&scenario.controller),
             planning,
-            setting: Setting::of(scenario, descriptor.target == TargetSource::Measured),
+            setting: Setting::of(scenario, descriptor.measured_target),
             release,
             plan_period_ns: period_ns,
             deadline_ns: i64::from(scenario.controller.deadline().value()) * 1_000_000,

@@ -10,9 +10,11 @@ use std::fmt;
 use thiserror::Error;
 
 /// A law's own table in a scenario file, as a type. Every key has a default.
-pub trait Settings: Default + DeserializeOwned + Schema + Serialize {
+pub trait Settings: parameters::Table + Default + DeserializeOwned + Schema + Serialize {
     /// Its numbers, in the order in which they are checked.
-    fn numbers(&self) -> Vec<Number>;
+    fn numbers(&self) -> Vec<Number> {
+        Number::of("", self)
+    }
 
     /// Checks what depends on several keys.
     ///
@@ -222,14 +224,6 @@ pub fn within(key: &str, value: f64, least: f64, most: f64) -> Result<(), Settin
     accept((least..=most).contains(&value), key, value, refused)
 }
 
-/// Accepts `above < value <= most`; NaN is refused.
-///
-/// # Errors
-/// Key, value and range.
-pub fn above(key: &str, value: f64, above: f64, most: f64) -> Result<(), SettingError> {
-    accept(value > above && value <= most, key, value, Expected::Above(above, most))
-}
-
 /// Accepts a value below another key's; NaN is refused.
 ///
 /// # Errors
@@ -246,16 +240,23 @@ fn accept(holds: bool, key: &str, value: f64, expected: Expected) -> Result<(), 
 mod tests {
     use super::*;
 
+    const LAG: Row =
+        Row { name: "lag_s", unit: "s", range: (0.0, 2.0), excludes_least: true, origin: "" };
+
+    fn lag(value: f64) -> Result<(), SettingError> {
+        Number { key: LAG.name.to_owned(), value: Some(value), row: &LAG }.check()
+    }
+
     #[test]
     fn a_value_that_is_not_a_number_is_refused_everywhere() {
         assert!(within("a", f64::NAN, 0.0, 1.0).is_err());
-        assert!(above("a", f64::NAN, 0.0, 1.0).is_err());
+        assert!(lag(f64::NAN).is_err());
         assert!(below("a", f64::NAN, "b", 1.0).is_err());
     }
 
     #[test]
     fn an_error_says_key_value_and_what_was_expected() {
-        let error = above("lag_s", 0.0, 0.0, 2.0).expect_err("not above zero");
+        let error = lag(0.0).expect_err("not above zero");
         assert_eq!(
             error.to_string(),
             "lag_s = 0 is out of range, expected a number above 0 and at most 2"

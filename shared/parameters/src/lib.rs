@@ -133,6 +133,16 @@ impl Number for u32 {
     }
 }
 
+impl Number for usize {
+    fn number(self) -> Option<f64> {
+        Some(self as f64)
+    }
+
+    fn from_f64(value: f64) -> Self {
+        value.round() as Self
+    }
+}
+
 impl Number for Option<f64> {
     fn number(self) -> Option<f64> {
         self
@@ -144,7 +154,7 @@ impl Number for Option<f64> {
 }
 
 /// Declares a struct of parameters: see [the crate's example](crate). A row is
-/// `name: type = value, "unit", least..=greatest, "origin";`. The type is `f64`, `u32`, or `Option<f64>` with the value
+/// `name: type = value, "unit", least..=greatest, "origin";`. The type is `f64`, `u32`, `usize`, or `Option<f64>` with the value
 /// `None`. `above least..=greatest` leaves the least value out. Fields that are no numbers follow as
 /// `others { name: type = value; }`. Such a table has a `Default` and no constant, and is not `Copy` by itself.
 #[macro_export]

@@ -181,12 +181,6 @@ impl CurveSpeed {
         if self.most_mps2 < FREE_MPS2 { self.most_mps2 } else { f64::INFINITY }
     }
 
-    /// The cap; `None` while nothing caps the set speed.
-    #[must_use]
-    pub fn cap_mps(&self) -> Option<f64> {
-        self.cap_mps
-    }
-
     /// The largest speed from which every curve ahead is reached with its comfortable speed, m/s.
     fn comfortable_mps(&self, road: &RoadAhead<'_>, speed_mps: f64) -> f64 {
         let Settings { braking_mps2, .. } = self.settings;

@@ -56,11 +56,11 @@ fn the_cap_falls_from_the_ego_s_speed_and_is_gone_a_second_after_the_curve() {
     for _ in 0..100 {
         step(&mut curve, &own(125.0));
     }
-    assert!((curve.cap_mps().expect("it caps") - 16.96).abs() < 0.01);
+    assert!((curve.cap_mps.expect("it caps") - 16.96).abs() < 0.01);
     for _ in 0..10 {
         step(&mut curve, &own(1e6));
     }
-    assert_eq!(curve.cap_mps(), None);
+    assert_eq!(curve.cap_mps, None);
 }
 
 #[test]

@@ -34,7 +34,7 @@ const GOOD: (f64, f64, f64) = (0.0, 0.0, 0.0);
 fn first(ages: &Ages) -> (Level, SignalTrust) {
     let mut ladder = ladder();
     let trust = ladder.look(ages, 3.0);
-    (ladder.level(), trust)
+    (ladder.level, trust)
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn bounds_follow_the_periods_of_the_sources() {
     let level = |keys: &str, radar_s: f64| {
         let mut ladder = ladder_of(keys);
         ladder.look(&ages(0.0, radar_s, 9.0), 0.0);
-        ladder.level()
+        ladder.level
     };
     // Without a signal ahead none is reported.
     assert_eq!(level("", 0.0), Level::Full);
@@ -91,7 +91,7 @@ fn a_radar_that_never_spoke_is_waited_for_as_long_as_one_that_fell_silent() {
     let none = Ages { radar_s: None, ..ages(0.0, 0.0, 0.0) };
     let mut level = |time_s: f64| {
         ladder.look(&none, time_s);
-        ladder.level()
+        ladder.level
     };
     assert_eq!(level(5.0), Level::LeadPredicted);
     assert_eq!(level(5.0 + RADAR_S + PREDICT_S - 1e-6), Level::LeadPredicted);
@@ -104,10 +104,10 @@ fn way_back(failed: &Ages) -> Vec<Level> {
     ladder.look(failed, 0.0);
     let (odometry_s, radar_s, spat_s) = GOOD;
     let good = ages(odometry_s, radar_s, spat_s);
-    let mut levels = vec![ladder.level()];
+    let mut levels = vec![ladder.level];
     for k in 1..8 {
         ladder.look(&good, 0.1 * f64::from(k));
-        levels.push(ladder.level());
+        levels.push(ladder.level);
     }
     levels
 }
@@ -129,7 +129,7 @@ fn each_recovery_is_proven_by_its_number_of_releases() {
     let mut ladder = ladder();
     let levels = [0.0, 9.0, 0.0, 9.0, 0.0, 0.0].map(|odometry_s| {
         ladder.look(&ages(odometry_s, 0.0, 0.0), 0.0);
-        ladder.level()
+        ladder.level
     });
     assert_eq!(levels, [Full, Silent, Silent, Silent, Silent, Full]);
 }
@@ -139,7 +139,7 @@ fn a_lost_lead_is_found_by_fresh_samples_alone() {
     let mut ladder = ladder();
     let mut level = |radar_s: f64| {
         ladder.look(&ages(0.0, radar_s, 0.0), 0.0);
-        ladder.level()
+        ladder.level
     };
     assert_eq!(level(9.0), Level::LeadLost);
     // Samples that are not too old to predict from, but stale, prove nothing.
@@ -190,7 +190,7 @@ fn a_radar_that_sees_a_part_limits_the_speed_and_shows() {
     ] {
         let mut ladder = ladder();
         let (admission, input) = release(&mut ladder, 0.0, 0.0, None, &scan(share, &[]));
-        assert_eq!((admission, ladder.level()), (Admission::Law, level));
+        assert_eq!((admission, ladder.level), (Admission::Law, level));
         assert_eq!(input.set_speed_mps, set_speed_mps);
         // Blind, the ego hardly accelerates and slows down.
         let mut output = Output::default();
@@ -208,7 +208,7 @@ fn a_mild_level_gives_way_and_a_hard_one_does_not() {
         let mut ladder = ladder();
         ladder.look(ages, 0.0);
         ladder.admit(&mut input(0.0, None), Some(&limited));
-        ladder.level()
+        ladder.level
     };
     assert_eq!(level(&ages(0.0, 0.0, 9.0)), Level::SensorLimited);
     let estimated = Ages { ego_is_estimated: true, ..ages(0.0, 0.0, 0.0) };
@@ -225,7 +225,7 @@ fn a_lead_that_is_missing_in_a_fresh_scan_is_assumed_to_be_there() {
         release(&mut ladder, 0.1 * f64::from(k), 0.0, Some(30.0), &scan(1.0, &[1]));
     }
     let (admission, given) = release(&mut ladder, 2.0, 0.0, None, &scan(1.0, &[]));
-    assert_eq!((admission, ladder.level()), (Admission::Law, Level::LeadPredicted));
+    assert_eq!((admission, ladder.level), (Admission::Law, Level::LeadPredicted));
     let target = given.target.expect("it is assumed");
     assert!((target.gap_m - 30.0).abs() < 1e-9, "it keeps its speed: {target:?}");
     assert_eq!(given.set_speed_mps, 20.0, "no faster than when it was lost");
@@ -262,7 +262,7 @@ fn radar_that_came_while_the_ego_was_unknown_is_of_no_use() {
     release(&mut ladder, 0.0, 0.0, Some(30.0), &scan(1.0, &[1]));
     let mut at = |time_s: f64, odometry_s: f64, radar_s: f64| {
         ladder.look(&ages(odometry_s, radar_s, 0.0), time_s);
-        (ladder.admit(&mut input(time_s, None), None), ladder.level())
+        (ladder.admit(&mut input(time_s, None), None), ladder.level)
     };
     // The ego is unknown for 3 s: the first release brakes, the others are silent.
     assert_eq!(at(0.1, 9.0, 0.0), (Admission::Brake, Level::Silent));

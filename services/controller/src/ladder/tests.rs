@@ -55,7 +55,7 @@ impl Drive {
     }
 
     fn level(&self) -> Level {
-        self.ladder.level()
+        self.ladder.level
     }
 }
 
@@ -128,9 +128,9 @@ fn an_estimated_ego_and_doubted_signals_show() {
     let ages =
         Ages { odometry_s: Some(0.0), radar_s: Some(0.0), spat_s: Some(0.0), ..Ages::default() };
     ladder.look(&Ages { signals_doubted: true, ..ages }, 0.0);
-    assert_eq!(ladder.level(), Level::SignalsDoubted);
+    assert_eq!(ladder.level, Level::SignalsDoubted);
     ladder.look(&Ages { ego_is_estimated: true, ..ages }, 0.1);
-    assert_eq!(ladder.level(), Level::EgoEstimated);
+    assert_eq!(ladder.level, Level::EgoEstimated);
 }
 
 proptest! {

@@ -29,8 +29,8 @@ pub struct Descriptor {
     pub formulation: fn(&Controller) -> &'static Formulation,
     /// The gap that it aims at.
     pub gap: GapPolicy,
-    /// Information on the target.
-    pub target: TargetSource,
+    /// It filters the target itself: it is given gap and relative speed as measured, not the tracker's estimate.
+    pub measured_target: bool,
     /// It refuses cars.
     pub trucks_alone: bool,
     /// Builds the law from the keys that it reads, or names the key that it refuses.
@@ -99,13 +99,4 @@ pub enum GapPolicy {
     Figure(&'static str),
     /// Only the law has it.
     Internal,
-}
-
-/// Information on the target that a law receives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TargetSource {
-    /// The tracker's estimate.
-    Tracked,
-    /// Gap and relative speed as measured, for a law that filters them itself.
-    Measured,
 }

@@ -13,7 +13,7 @@ mod planning;
 mod preview;
 pub(crate) mod reader;
 
-pub use descriptor::{Descriptor, Figure, Formulation, GapPolicy, TargetSource};
+pub use descriptor::{Descriptor, Figure, Formulation, GapPolicy};
 pub use hosted::{Hosted, HostedError};
 pub use input::{
     Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, Powertrain, SignalAhead, Target,

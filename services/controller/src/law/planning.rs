@@ -47,7 +47,7 @@ pub struct Segment {
 }
 
 /// A planner's answer: what to do from `start_m` on, and what speed comes of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Plan {
     /// Number of the request that it answers.
     pub number: u64,
@@ -63,85 +63,6 @@ pub struct Plan {
     pub len: usize,
     /// Number of these that may be driven before the road is planned anew.
     pub binding: usize,
-}
-
-impl Default for Plan {
-    fn default() -> Self {
-        Self {
-            number: 0,
-            time_s: 0.0,
-            start_m: 0.0,
-            start_speed_mps: 0.0,
-            segments: [Segment::default(); MAX_SEGMENTS],
-            len: 0,
-            binding: 0,
-        }
-    }
-}
-
-impl Plan {
-    /// Empties it as the answer to a request.
-    pub(crate) fn begin(&mut self, request: &PlanRequest) {
-        self.number = request.number;
-        self.time_s = request.time_s;
-        self.start_m = request.position_m;
-        self.start_speed_mps = request.speed_mps;
-        self.len = 0;
-        self.binding = 0;
-    }
-
-    /// Appends a segment.
-    pub(crate) fn push(
-        &mut self,
-        end_m: f64,
-        engine_torque_nm: f64,
-        gear: Option<usize>,
-        speed_mps: f64,
-    ) {
-        let end_speed2_half = 0.5 * speed_mps * speed_mps;
-        self.segments[self.len] = Segment { end_m, engine_torque_nm, gear, end_speed2_half };
-        self.len += 1;
-    }
-
-    /// Index of the segment at a position; `None` outside.
-    #[must_use]
-    pub fn segment_at(&self, position_m: f64) -> Option<usize> {
-        if position_m.is_nan() || position_m < self.start_m {
-            return None;
-        }
-        self.segments[..self.len].iter().position(|segment| position_m < segment.end_m)
-    }
-
-    /// End of the plan, m.
-    #[must_use]
-    pub fn end_m(&self) -> f64 {
-        self.segments[..self.len].last().map_or(self.start_m, |segment| segment.end_m)
-    }
-
-    /// Planned speed at a position in segment `index`, m/s: energy is linear within a segment.
-    #[must_use]
-    pub fn speed_mps(&self, index: usize, position_m: f64) -> f64 {
-        let (start_m, start) = self.start_of(index);
-        let segment = &self.segments[index];
-        let share = ((position_m - start_m) / (segment.end_m - start_m)).clamp(0.0, 1.0);
-        (2.0 * (start + share * (segment.end_speed2_half - start))).max(0.0).sqrt()
-    }
-
-    /// Planned acceleration in segment `index`, m/s².
-    #[must_use]
-    pub fn acceleration_mps2(&self, index: usize) -> f64 {
-        let (start_m, start) = self.start_of(index);
-        let segment = &self.segments[index];
-        (segment.end_speed2_half - start) / (segment.end_m - start_m)
-    }
-
-    /// Position and v²/2 at the start of a segment.
-    fn start_of(&self, index: usize) -> (f64, f64) {
-        match index.checked_sub(1) {
-            Some(before) => (self.segments[before].end_m, self.segments[before].end_speed2_half),
-            None => (self.start_m, 0.5 * self.start_speed_mps * self.start_speed_mps),
-        }
-    }
 }
 
 /// Plans speed, torque and gear over the road ahead. Allocates only when it is made.

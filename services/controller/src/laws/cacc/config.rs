@@ -1,14 +1,16 @@
 //! Settings of the two model-predictive laws.
 
 use mpc_solver::{Kind, Solver};
+use parameters::parameters;
 use scenario::Problem;
 use scenario::controller::{Controller, LightStages, Solver as SolverName, SpacingPolicy};
 
 use super::road_config::{RoadConfig, TABLE};
 use super::weights::{JOINT, Weights};
+use crate::following::driver::Driver;
 use crate::law::reader::key;
 use crate::law::{MAX_PLAN, Reader};
-use crate::settings::{SettingError, below, within};
+use crate::settings::{Number, SettingError, below};
 
 /// Handling of signals by a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,53 +21,40 @@ pub enum Signals {
     Used,
 }
 
-/// Settings of `acc-mpc` and `cacc-mpc`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Config {
-    /// Form of the desired distance, and with it the formulation.
-    pub spacing_policy: SpacingPolicy,
-    /// Solver of the convex programs.
-    pub solver: SolverName,
-    /// Steps of the prediction, `N`.
-    pub horizon_steps: usize,
-    /// Step of the prediction, `T`, s.
-    pub step_s: f64,
-    /// Lag of the vehicle's acceleration behind the request, `tau`, s.
-    pub actuator_lag_s: f64,
-    /// Smallest request, m/s².
-    pub min_request_mps2: f64,
-    /// Largest request, m/s².
-    pub max_request_mps2: f64,
-    /// Time headway `t_h`, s.
-    pub time_headway_s: f64,
-    /// Buffer `d_b`: the desired gap at standstill under the paper's spacing policies, m.
-    pub buffer_m: f64,
-    /// Weights of the paper's cost.
-    pub weights: Weights,
-    /// Stages at which the paper's light penalty counts.
-    pub light_stages: LightStages,
-    /// Settings of the formulation for the road.
-    pub road: RoadConfig,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            spacing_policy: SpacingPolicy::ConstantTimeHeadway,
-            solver: SolverName::Riccati,
-            horizon_steps: 100,
-            step_s: 0.1,
-            actuator_lag_s: 0.5,
-            min_request_mps2: -4.9,
-            max_request_mps2: 4.9,
-            time_headway_s: 1.5,
-            buffer_m: 12.0,
-            weights: JOINT,
-            light_stages: LightStages::default(),
-            road: RoadConfig::default(),
+parameters! {
+    /// Settings of `acc-mpc` and `cacc-mpc`. The numbers have the defaults of the scenario's keys.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Steps of the prediction, `N`.
+        horizon_steps: usize = 100, "1", 10.0..=128.0, "The scenario's key.";
+        /// Step of the prediction, `T`, s.
+        step_s: f64 = 0.1, "s", 0.01..=0.5, "The scenario's key.";
+        /// Lag of the vehicle's acceleration behind the request, `tau`, s.
+        actuator_lag_s: f64 = 0.5, "s", 0.05..=5.0, "The scenario's key.";
+        /// Smallest request, m/s².
+        min_request_mps2: f64 = -4.9, "m/s²", -12.0..=-0.5, "The scenario's key.";
+        /// Largest request, m/s².
+        max_request_mps2: f64 = 4.9, "m/s²", 0.5..=12.0, "The scenario's key.";
+        /// Time headway `t_h`, s.
+        time_headway_s: f64 = 1.5, "s", 0.3..=5.0, "The scenario's key.";
+        /// Buffer `d_b`: the desired gap at standstill under the paper's spacing policies, m.
+        buffer_m: f64 = 12.0, "m", 0.5..=50.0, "The paper's.";
+        others {
+            /// Form of the desired distance, and with it the formulation.
+            spacing_policy: SpacingPolicy = SpacingPolicy::ConstantTimeHeadway;
+            /// Solver of the convex programs.
+            solver: SolverName = SolverName::Riccati;
+            /// Weights of the paper's cost.
+            weights: Weights = JOINT;
+            /// Stages at which the paper's light penalty counts.
+            light_stages: LightStages = LightStages::default();
+            /// Settings of the formulation for the road.
+            road: RoadConfig = RoadConfig::default();
         }
     }
 }
+
+const _: () = assert!(MAX_PLAN == 128, "the longest horizon fits a plan");
 
 impl Config {
     /// The settings of a scenario, in the formulation that its spacing policy chooses.
@@ -141,6 +130,15 @@ impl Config {
         }
     }
 
+    /// The driver that makes references, and drives where a program has no solution.
+    pub(super) fn driver(&self) -> Driver {
+        Driver {
+            acceleration_mps2: self.road.acceleration_mps2,
+            deceleration_mps2: self.road.reference_deceleration_mps2,
+            hardest_mps2: -self.min_request_mps2,
+        }
+    }
+
     /// The solver that is asked for.
     #[must_use]
     pub fn create_solver(&self) -> Box<dyn Solver + Send> {
@@ -156,14 +154,8 @@ impl Config {
     /// # Errors
     /// The first key that is not usable.
     pub fn check(&self) -> Result<(), SettingError> {
-        within("horizon_steps", self.horizon_steps as f64, 10.0, MAX_PLAN as f64)?;
-        within("step_s", self.step_s, 0.01, 0.5)?;
-        within("actuator_lag_s", self.actuator_lag_s, 0.05, 5.0)?;
+        Number::of("", self).iter().try_for_each(Number::check)?;
         below("step_s", self.step_s, "actuator_lag_s", self.actuator_lag_s)?;
-        within("min_request_mps2", self.min_request_mps2, -12.0, -0.5)?;
-        within("max_request_mps2", self.max_request_mps2, 0.5, 12.0)?;
-        within("time_headway_s", self.time_headway_s, 0.3, 5.0)?;
-        within("buffer_m", self.buffer_m, 0.5, 50.0)?;
         self.weights.check()?;
         self.road.check_within(self.min_request_mps2, self.max_request_mps2)
     }

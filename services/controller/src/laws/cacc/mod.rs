@@ -24,7 +24,7 @@ use self::config::Config;
 use self::paper::PaperLaw;
 use self::road::RoadLaw;
 use self::road_config::TABLE;
-use crate::law::{Descriptor, Formulation, GapPolicy, Law, Reader, TargetSource};
+use crate::law::{Descriptor, Formulation, GapPolicy, Law, Reader};
 use crate::settings::SettingError;
 
 /// Model-predictive following.
@@ -36,7 +36,7 @@ pub static ACC_MPC: Descriptor = Descriptor {
     formulations: FORMULATIONS,
     formulation,
     gap: GapPolicy::Scenario(desired_gap),
-    target: TargetSource::Tracked,
+    measured_target: false,
     trucks_alone: false,
     build: |reader| of(reader, Signals::Ignored),
 };
@@ -50,7 +50,7 @@ pub static CACC_MPC: Descriptor = Descriptor {
     formulations: FORMULATIONS,
     formulation,
     gap: GapPolicy::Scenario(desired_gap),
-    target: TargetSource::Tracked,
+    measured_target: false,
     trucks_alone: false,
     build: |reader| of(reader, Signals::Used),
 };

@@ -43,7 +43,7 @@ use scenario::controller::{LightStages, SpacingPolicy};
 use super::config::Config;
 use super::plan::PlanMemory;
 use super::weights::Weights;
-use crate::following::driver::{Driver, Obstacle};
+use crate::following::driver::Obstacle;
 use crate::law::{
     Figure, Formulation, Input, Law, MAX_PLAN, Output, Phase, Quality, SignalAhead, Target,
 };
@@ -182,11 +182,7 @@ impl PaperLaw {
 
     /// The last resort, and the plain cruise that the paper does not treat.
     fn driver_request(&self, input: &Input) -> f64 {
-        let driver = Driver {
-            acceleration_mps2: self.config.road.acceleration_mps2,
-            deceleration_mps2: self.config.road.reference_deceleration_mps2,
-            hardest_mps2: -self.config.min_request_mps2,
-        };
+        let driver = self.config.driver();
         let speed = input.ego.speed_mps;
         let desired = input.set_speed_mps.min(input.speed_limit_mps);
         let Some(target) = &input.target else {

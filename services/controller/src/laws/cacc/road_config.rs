@@ -4,7 +4,7 @@ use parameters::parameters;
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{Number, SettingError, Settings, Table, within};
+use crate::settings::{SettingError, Settings, Table, within};
 
 /// The table of the road formulation.
 pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
@@ -57,11 +57,7 @@ parameters! {
     }
 }
 
-impl Settings for RoadConfig {
-    fn numbers(&self) -> Vec<Number> {
-        Number::of("", self)
-    }
-}
+impl Settings for RoadConfig {}
 
 impl RoadConfig {
     /// Checks every setting, those included that depend on the bounds of the request. Keys are

@@ -14,27 +14,29 @@
 //! valley, Q2/Q1 about 7 and w/Q1 about 1.5e4, and [`JOINT`] lies in it, too. So the printed numbers fix these two ratios
 //! and not the five weights. The reference closed loops were made with [`JOINT`], and it stays the joint set.
 
-use crate::settings::{SettingError, above, within};
+use crate::settings::{Number, SettingError};
+use parameters::parameters;
 
-/// Weights of the paper's cost: `Q1`, `Q2`, `Q3`, `R`, `w` and `d_th`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
-    /// `Q1`, on the spacing error, 1/m².
-    pub gap_error_per_m2: f64,
-    /// `Q2`, on the speed error, s²/m².
-    pub speed_error_s2_per_m2: f64,
-    /// `Q3`, on the acceleration, s⁴/m².
-    pub acceleration_s4_per_m2: f64,
-    /// `R`, on the request, s⁴/m².
-    pub request_s4_per_m2: f64,
-    /// `w`, on the light's penalty `1/D`, m.
-    pub light_m: f64,
-    /// `d_th`, the margin beyond which the light costs nothing, m.
-    pub light_threshold_m: f64,
+parameters! {
+    /// Weights of the paper's cost: `Q1`, `Q2`, `Q3`, `R`, `w` and `d_th`.
+    pub struct Weights {
+        /// `Q1`, on the spacing error, 1/m².
+        gap_error_per_m2: f64 = 19.243, "1/m²", 0.0..=1e300, "Calibrated, as those below.";
+        /// `Q2`, on the speed error, s²/m².
+        speed_error_s2_per_m2: f64 = 135.712, "s²/m²", 0.0..=1e300, "Calibrated.";
+        /// `Q3`, on the acceleration, s⁴/m².
+        acceleration_s4_per_m2: f64 = 0.00159, "s⁴/m²", 0.0..=1e300, "Calibrated.";
+        /// `R`, on the request, s⁴/m².
+        request_s4_per_m2: f64 = 1.0, "s⁴/m²", above 0.0..=1e300, "Chosen: only ratios matter.";
+        /// `w`, on the light's penalty `1/D`, m.
+        light_m: f64 = 275_773.0, "m", 0.0..=1e300, "Calibrated.";
+        /// `d_th`, the margin beyond which the light costs nothing, m.
+        light_threshold_m: f64 = 108.5, "m", above 0.0..=1e300, "Calibrated.";
+    }
 }
 
 /// One set for all scenarios; the reference closed loops were made with it.
-pub const JOINT: Weights = set(19.243, 135.712, 0.00159, 275_773.0, 108.5);
+pub const JOINT: Weights = Weights::DEFAULT;
 
 /// A set with `R` = 1, from `Q1`, `Q2`, `Q3`, `w` and `d_th`.
 #[must_use]
@@ -43,9 +45,9 @@ pub const fn set(q1: f64, q2: f64, q3: f64, w: f64, d_th: f64) -> Weights {
         gap_error_per_m2: q1,
         speed_error_s2_per_m2: q2,
         acceleration_s4_per_m2: q3,
-        request_s4_per_m2: 1.0,
         light_m: w,
         light_threshold_m: d_th,
+        ..JOINT
     }
 }
 
@@ -55,12 +57,6 @@ impl Weights {
     /// # Errors
     /// The first key that is not finite or has the wrong sign.
     pub fn check(&self) -> Result<(), SettingError> {
-        let most = f64::MAX;
-        within("weights.gap_error_per_m2", self.gap_error_per_m2, 0.0, most)?;
-        within("weights.speed_error_s2_per_m2", self.speed_error_s2_per_m2, 0.0, most)?;
-        within("weights.acceleration_s4_per_m2", self.acceleration_s4_per_m2, 0.0, most)?;
-        within("weights.light_m", self.light_m, 0.0, most)?;
-        above("weights.request_s4_per_m2", self.request_s4_per_m2, 0.0, most)?;
-        above("weights.light_threshold_m", self.light_threshold_m, 0.0, most)
+        Number::of("weights.", self).iter().try_for_each(Number::check)
     }
 }

@@ -36,8 +36,8 @@ pub use law::External;
 use super::cacc::config::Config;
 use super::cacc::{self, Signals};
 use crate::law::reader::key;
-use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader, TargetSource};
-use crate::settings::{self, Number, Table};
+use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader};
+use crate::settings::{self, Table};
 use backup::Backup;
 use parameters::parameters;
 use process::Plan;
@@ -63,11 +63,7 @@ parameters! {
     }
 }
 
-impl settings::Settings for Settings {
-    fn numbers(&self) -> Vec<Number> {
-        Number::of("", self)
-    }
-}
+impl settings::Settings for Settings {}
 
 /// The law as data.
 pub static EXTERNAL: Descriptor = Descriptor {
@@ -78,7 +74,7 @@ pub static EXTERNAL: Descriptor = Descriptor {
     formulations: &[&FORMULATION],
     formulation: |_| &FORMULATION,
     gap: GapPolicy::Internal,
-    target: TargetSource::Tracked,
+    measured_target: false,
     trucks_alone: false,
     build,
 };

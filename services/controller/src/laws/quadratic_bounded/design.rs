@@ -157,12 +157,6 @@ impl Design {
     pub fn lyapunov(&self, z: &ClosedState) -> f64 {
         (z.transpose() * self.verified.p * z)[(0, 0)]
     }
-
-    /// The contraction rate alpha of the certificate.
-    #[must_use]
-    pub fn alpha(&self) -> f64 {
-        self.content.alpha
-    }
 }
 
 impl File {

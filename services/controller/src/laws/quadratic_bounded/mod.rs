@@ -90,7 +90,7 @@ pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};
 pub use settings::{GainSource, Settings};
 
-use crate::law::{Descriptor, GapPolicy, Law, Reader, TargetSource};
+use crate::law::{Descriptor, GapPolicy, Law, Reader};
 use crate::settings::Table;
 use scenario::Problem;
 
@@ -111,7 +111,7 @@ pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
         }
     },
     gap: GapPolicy::Figure("gap_error_m"),
-    target: TargetSource::Tracked,
+    measured_target: false,
     trucks_alone: false,
     build,
 };

@@ -1,6 +1,6 @@
 //! The settings of the law outside its design.
 
-use crate::settings::{self, Number};
+use crate::settings;
 use parameters::parameters;
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -51,8 +51,4 @@ impl Settings {
     }
 }
 
-impl settings::Settings for Settings {
-    fn numbers(&self) -> Vec<Number> {
-        Number::of("", self)
-    }
-}
+impl settings::Settings for Settings {}

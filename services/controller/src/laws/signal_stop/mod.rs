@@ -30,7 +30,7 @@ pub use settings::SignalStop;
 
 use self::driver::StoppingLaw;
 use super::cacc::{self, config::Config};
-use crate::law::{Descriptor, GapPolicy, TargetSource};
+use crate::law::{Descriptor, GapPolicy};
 use crate::settings::Table;
 
 const TABLE: Table = Table::of::<SignalStop>("signal_stop");
@@ -44,7 +44,7 @@ pub static ACC_SIGNAL_STOP: Descriptor = Descriptor {
     formulations: &[&FORMULATION],
     formulation: |_| &FORMULATION,
     gap: GapPolicy::Scenario(cacc::desired_gap),
-    target: TargetSource::Tracked,
+    measured_target: false,
     trucks_alone: false,
     // Its modes and figures are its own: the commands are those of `acc-mpc`.
     build: |reader| {

@@ -4,7 +4,7 @@ use parameters::parameters;
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{Number, Settings};
+use crate::settings::Settings;
 
 parameters! {
     /// Settings of the driver who stops at signals; decelerations are positive numbers.
@@ -27,8 +27,4 @@ parameters! {
     }
 }
 
-impl Settings for SignalStop {
-    fn numbers(&self) -> Vec<Number> {
-        Number::of("", self)
-    }
-}
+impl Settings for SignalStop {}

@@ -38,98 +38,89 @@ const JERKS_MPS3: (f64, f64) = (5.0, 2.5);
 /// Share of that limit which is used: the limit holds for the vehicle, behind the request.
 const JERK_SHARE: f64 = 0.9;
 
-/// The request, m/s², after one of `request` a `period` ago, s; the target accelerates with `target_mps2`.
-#[must_use]
-pub(super) fn graded(
-    p: &Parameters,
-    s: &Situation,
-    ego: &Ego,
-    target_mps2: f64,
-    request: f64,
-    period: f64,
-) -> f64 {
-    let (lead, own) = (lead_now(s, target_mps2), own_motion(p, ego));
-    let nearest = |safe: &SafeGap, request: f64| {
-        let worst_mps2 = safe.worst_mps2(&lead);
-        safe.lower(request, |u| safe.stays_behind(u, own, &lead, worst_mps2))
-    };
-    let late_s = late_s(p, period);
-    let wanted = nearest(&patient(p, period), -p.approach_limit_mps2);
-    let softest = request - comfortable_jerk_mps3(ego.speed_mps) * period;
-    let demand = nearest(&held(p, late_s, p.standstill_gap_m), wanted.max(softest));
-    match enough(p, s, ego, target_mps2, period) {
-        Some(enough) => demand.max(enough).max(softest),
-        None => demand,
-    }
-}
-
 /// Way beyond R0 that gentle braking must leave, m. Chosen: gentle stops behind a lead that brakes with 2.5 m/s² end
 /// 0.1 m nearer than they are planned.
 const GENTLE_RESERVE_M: f64 = 0.5;
 
-/// The hardest request while gentle braking is enough for what the target does, m/s².
-#[must_use]
-pub(super) fn enough(
-    p: &Parameters,
-    s: &Situation,
-    ego: &Ego,
-    target_mps2: f64,
-    period: f64,
-) -> Option<f64> {
-    let safe = held(p, late_s(p, period), p.standstill_gap_m + GENTLE_RESERVE_M);
-    let enough = safe.enough_mps2(own_motion(p, ego), &lead_now(s, target_mps2))?;
-    Some((-2.0 * enough).min(-p.approach_limit_mps2))
+/// The ego behind its target at one release.
+pub(super) struct Behind<'a> {
+    p: &'a Parameters,
+    lead: LeadNow,
+    own: Motion,
+    period_s: f64,
 }
 
-/// True if a target that brakes harder than the law's comfortable braking asks for this mode already. The boundaries go
-/// by the target's speed alone. Here `demand` is held for the rest of t1 beside the actuator's lag, and must leave room
-/// for full braking. Behind a target that was faster, the speeds show nothing until it is nearly too late.
-#[must_use]
-pub(super) fn is_needed(
-    p: &Parameters,
-    s: &Situation,
-    ego: &Ego,
-    target_mps2: f64,
-    demand: f64,
-    period: f64,
-) -> bool {
-    let patient = patient(p, period);
-    let lead = lead_now(s, target_mps2);
-    lead.acceleration_mps2 < -p.approach_limit_mps2
-        && !patient.stays_behind(demand, own_motion(p, ego), &lead, patient.worst_mps2(&lead))
-}
-
-fn lead_now(s: &Situation, target_mps2: f64) -> LeadNow {
-    LeadNow {
-        gap_m: s.gap_m,
-        speed_mps: (s.speed_mps + s.relative_mps).max(0.0),
-        acceleration_mps2: if target_mps2.is_finite() { target_mps2 } else { 0.0 },
+impl<'a> Behind<'a> {
+    /// Behind a target that accelerates with `target_mps2`.
+    pub(super) fn new(
+        p: &'a Parameters,
+        s: &Situation,
+        ego: &Ego,
+        target_mps2: f64,
+        period_s: f64,
+    ) -> Self {
+        let lead = LeadNow {
+            gap_m: s.gap_m,
+            speed_mps: (s.speed_mps + s.relative_mps).max(0.0),
+            acceleration_mps2: if target_mps2.is_finite() { target_mps2 } else { 0.0 },
+        };
+        let own = Motion {
+            position_m: 0.0,
+            speed_mps: ego.speed_mps,
+            acceleration_mps2: ego.acceleration_mps2.clamp(-p.braking_mps2, p.acceleration_mps2),
+        };
+        Self { p, lead, own, period_s }
     }
-}
 
-fn own_motion(p: &Parameters, ego: &Ego) -> Motion {
-    Motion {
-        position_m: 0.0,
-        speed_mps: ego.speed_mps,
-        acceleration_mps2: ego.acceleration_mps2.clamp(-p.braking_mps2, p.acceleration_mps2),
+    /// The request, m/s², after one of `request` a period ago.
+    pub(super) fn graded(&self, request: f64) -> f64 {
+        let nearest = |safe: &SafeGap, request: f64| {
+            let worst_mps2 = safe.worst_mps2(&self.lead);
+            safe.lower(request, |u| safe.stays_behind(u, self.own, &self.lead, worst_mps2))
+        };
+        let wanted = nearest(&self.patient(), -self.p.approach_limit_mps2);
+        let softest = request - comfortable_jerk_mps3(self.own.speed_mps) * self.period_s;
+        let safe = self.held(self.late_s(), self.p.standstill_gap_m);
+        let demand = nearest(&safe, wanted.max(softest));
+        match self.enough_mps2() {
+            Some(enough) => demand.max(enough).max(softest),
+            None => demand,
+        }
     }
-}
 
-/// Shortest delay before full braking, s: the filter delays the measured values.
-fn late_s(p: &Parameters, period: f64) -> f64 {
-    period + p.filter_time_s
-}
+    /// The hardest request while gentle braking is enough for what the target does, m/s².
+    pub(super) fn enough_mps2(&self) -> Option<f64> {
+        let safe = self.held(self.late_s(), self.p.standstill_gap_m + GENTLE_RESERVE_M);
+        let enough = safe.enough_mps2(self.own, &self.lead)?;
+        Some((-2.0 * enough).min(-self.p.approach_limit_mps2))
+    }
 
-/// Full braking once t1 has passed, to where mode 4 ends at standstill.
-fn patient(p: &Parameters, period: f64) -> SafeGap {
-    let stop_m = p.standstill_gap_m + p.least_band_m + p.warning_hysteresis_m;
-    held(p, (p.reaction_time_s - LAG_S).max(late_s(p, period)), stop_m)
-}
+    /// True if a target that brakes harder than the law's comfortable braking asks for this mode already. The boundaries
+    /// go by the target's speed alone. Here `demand` is held for the rest of t1 beside the actuator's lag, and must leave
+    /// room for full braking. Behind a target that was faster, the speeds show nothing until it is nearly too late.
+    pub(super) fn is_needed(&self, demand: f64) -> bool {
+        let patient = self.patient();
+        self.lead.acceleration_mps2 < -self.p.approach_limit_mps2
+            && !patient.stays_behind(demand, self.own, &self.lead, patient.worst_mps2(&self.lead))
+    }
 
-/// Full braking after a request that is held for `time_s`, to a gap of `least_m`.
-fn held(p: &Parameters, time_s: f64, least_m: f64) -> SafeGap {
-    let bounds = (-p.braking_mps2, -p.approach_limit_mps2);
-    SafeGap::new(Lag { tau_s: LAG_S }, time_s, bounds, least_m, p.lead_braking_mps2)
+    /// Shortest delay before full braking, s: the filter delays the measured values.
+    fn late_s(&self) -> f64 {
+        self.period_s + self.p.filter_time_s
+    }
+
+    /// Full braking once t1 has passed, to where mode 4 ends at standstill.
+    fn patient(&self) -> SafeGap {
+        let p = self.p;
+        let stop_m = p.standstill_gap_m + p.least_band_m + p.warning_hysteresis_m;
+        self.held((p.reaction_time_s - LAG_S).max(self.late_s()), stop_m)
+    }
+
+    /// Full braking after a request that is held for `time_s`, to a gap of `least_m`.
+    fn held(&self, time_s: f64, least_m: f64) -> SafeGap {
+        let bounds = (-self.p.braking_mps2, -self.p.approach_limit_mps2);
+        SafeGap::new(Lag { tau_s: LAG_S }, time_s, bounds, least_m, self.p.lead_braking_mps2)
+    }
 }
 
 /// Fall of the request that passengers do not mind, m/s³.
@@ -151,7 +142,7 @@ mod tests {
         let p = Parameters::default();
         let s = Situation { gap_m, speed_mps: 20.0, relative_mps: -2.0 };
         let ego = Ego { speed_mps: 20.0, ..Ego::default() };
-        graded(&p, &s, &ego, target_mps2, -p.braking_mps2, PERIOD_S)
+        Behind::new(&p, &s, &ego, target_mps2, PERIOD_S).graded(-p.braking_mps2)
     }
 
     #[test]
@@ -183,9 +174,9 @@ mod tests {
         let p = Parameters::default();
         let s = Situation { gap_m: 38.0, speed_mps: 20.0, relative_mps: -2.0 };
         let ego = Ego { speed_mps: 20.0, ..Ego::default() };
-        let first = graded(&p, &s, &ego, 0.0, 0.0, PERIOD_S);
+        let first = Behind::new(&p, &s, &ego, 0.0, PERIOD_S).graded(0.0);
         assert!((first + 0.9 * 2.5 * PERIOD_S).abs() < 1e-9, "{first}");
         let near = Situation { gap_m: 12.0, ..s };
-        assert_eq!(graded(&p, &near, &ego, -8.0, 0.0, PERIOD_S), -p.braking_mps2);
+        assert_eq!(Behind::new(&p, &near, &ego, -8.0, PERIOD_S).graded(0.0), -p.braking_mps2);
     }
 }

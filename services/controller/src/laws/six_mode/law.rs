@@ -1,6 +1,6 @@
 //! The law: observe, decide, request, smooth, limit.
 
-use super::avoid::{self, LAG_S};
+use super::avoid::{Behind, LAG_S};
 use super::boundaries::Boundaries;
 use super::deceleration::{LEVELS_MPS2, PARTS};
 use super::filter::TargetFilter;
@@ -41,7 +41,7 @@ pub(super) static FORMULATION: Formulation = Formulation {
 };
 
 /// The six-mode law.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SixMode {
     parameters: Parameters,
     filter: TargetFilter,
@@ -63,16 +63,7 @@ impl SixMode {
     /// The parameter that is not usable.
     pub fn new(parameters: Parameters) -> Result<Self, SettingError> {
         parameters.check()?;
-        Ok(Self {
-            parameters,
-            filter: TargetFilter::default(),
-            mode: None,
-            reason: Reason::None,
-            held_s: 0.0,
-            demands: [0.0; MEAN],
-            samples: 0,
-            request: 0.0,
-        })
+        Ok(Self { parameters, ..Self::default() })
     }
 
     /// The law's parameters.
@@ -137,9 +128,8 @@ impl SixMode {
             Variant::Robust => demand.min(cruise),
         };
         if self.has_graded_braking() && mode != Mode::Avoid {
-            let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
-            if avoid::is_needed(p, &s, &input.ego, target_mps2, demand, input.period_s) {
-                let fully = -p.braking_mps2;
+            let fully = -p.braking_mps2;
+            if self.behind(input, &s).is_needed(demand) {
                 self.enter(Mode::Avoid, Reason::TargetBraking);
                 return Some(fully);
             }
@@ -168,21 +158,24 @@ impl SixMode {
         }
     }
 
+    fn behind(&self, input: &Checked, s: &Situation) -> Behind<'_> {
+        let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
+        Behind::new(&self.parameters, s, &input.ego, target_mps2, input.period_s)
+    }
+
     /// The demand as hard as needed, in the avoid mode and below; the paper's spacing brakes fully.
     fn grade(&self, demand: f64, cruise: f64, input: &Checked, s: &Situation) -> f64 {
         if !self.has_graded_braking() {
             return demand;
         }
-        let (p, ego) = (&self.parameters, &input.ego);
-        let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
+        let behind = self.behind(input, s);
         if self.mode == Some(Mode::Avoid) {
-            return avoid::graded(p, s, ego, target_mps2, self.request, input.period_s).min(cruise);
+            return behind.graded(self.request).min(cruise);
         }
-        if demand >= -p.approach_limit_mps2 {
+        if demand >= -self.parameters.approach_limit_mps2 {
             return demand;
         }
-        avoid::enough(p, s, ego, target_mps2, input.period_s)
-            .map_or(demand, |most| demand.max(most))
+        behind.enough_mps2().map_or(demand, |most| demand.max(most))
     }
 
     /// Bounds the request and, in the robust law, its rate.
@@ -235,13 +228,7 @@ impl SixMode {
 
 impl Law for SixMode {
     fn reset(&mut self) {
-        self.filter.clear();
-        self.mode = None;
-        self.reason = Reason::None;
-        self.held_s = 0.0;
-        self.demands = [0.0; MEAN];
-        self.samples = 0;
-        self.request = 0.0;
+        *self = Self { parameters: self.parameters.clone(), ..Self::default() };
     }
 
     fn step(&mut self, input: &Input, output: &mut Output) {

@@ -84,7 +84,7 @@ pub use law::SixMode;
 pub use modes::{Mode, Reason, Situation};
 pub use parameters::{Parameters, Parts, Spacing, Variant};
 
-use crate::law::{Descriptor, GapPolicy, TargetSource};
+use crate::law::{Descriptor, GapPolicy};
 use crate::settings::Table;
 
 const TABLE: Table = Table::of::<Parameters>("six_mode");
@@ -98,7 +98,7 @@ pub static SIX_MODE: Descriptor = Descriptor {
     formulations: &[&law::FORMULATION],
     formulation: |_| &law::FORMULATION,
     gap: GapPolicy::Internal,
-    target: TargetSource::Tracked,
+    measured_target: false,
     trucks_alone: false,
     build: |reader| {
         let parameters: Parameters = reader.table(TABLE.name)?;

@@ -16,7 +16,7 @@ use parameters::{Table as _, parameters};
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{Number, SettingError, Settings, below};
+use crate::settings::{SettingError, Settings, below};
 
 /// The paper's acceleration below the set speed and in the accelerate mode, m/s².
 const PAPER_ACCELERATION_MPS2: f64 = 1.0;
@@ -197,10 +197,6 @@ impl Parameters {
 }
 
 impl Settings for Parameters {
-    fn numbers(&self) -> Vec<Number> {
-        Number::of("", self)
-    }
-
     fn check_together(&self) -> Result<(), SettingError> {
         let (lead, threshold) = (self.lead_braking_mps2, self.approach_threshold_mps);
         below("braking_mps2", self.braking_mps2, "lead_braking_mps2", lead)?;

@@ -4,6 +4,27 @@
 use super::settings::{FollowKeys, GapKeys};
 use super::target_filter::Estimate;
 
+// Constants of this page are inferred, as the law behind a target is. Those without a reason changed none of the figures
+// in `settings` at half and double.
+
+/// Least time headways of d_min, and of d_stop and the desired gap, s.
+const LEAST_HEADWAY_S: f64 = 0.8;
+const STOP_HEADWAY_S: f64 = 1.0;
+/// Deceleration of both in d_stop, the least gap when both brake to a standstill, m/s².
+const STOPPING_MPS2: f64 = 4.0;
+/// Largest acceleration of mode 1, and least and largest of mode 2, m/s².
+const FREE_MOST_MPS2: f64 = 0.25;
+const FOLLOW_MPS2: (f64, f64) = (-0.8, 0.3);
+/// Mode 3: acceleration behind a target that is at least as fast, m/s², more of it per closing speed, 1/s, and the least
+/// one, m/s².
+const WARN_MPS2: f64 = -0.8;
+const WARN_PER_S: f64 = 0.3;
+const WARN_LEAST_MPS2: f64 = -2.5;
+/// Jerk while the request falls, and while it rises, m/s³.
+pub(super) const JERKS_MPS3: (f64, f64) = (1.5, 1.0);
+/// Needed deceleration below which the service brakes are let go, m/s².
+const BRAKE_TO_MPS2: f64 = 0.2;
+
 /// Decision of the radar layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
@@ -36,12 +57,12 @@ impl Spacing {
     pub fn new(keys: &GapKeys, speed_mps: f64, target_mps: f64, grade: f64) -> Self {
         let standstill_m = keys.standstill_distance_m;
         let slope_m = keys.uphill_m * grade.max(0.0) + keys.downhill_m * grade.min(0.0);
-        let headway_m = keys.stop_headway_s * speed_mps;
+        let headway_m = STOP_HEADWAY_S * speed_mps;
         let desired_m = (keys.time_headway_s * target_mps + standstill_m + keys.offset_m - slope_m)
             .max(headway_m + standstill_m);
-        let min_m = (desired_m - keys.below_m).max(keys.least_headway_s * speed_mps + standstill_m);
+        let min_m = (desired_m - keys.below_m).max(LEAST_HEADWAY_S * speed_mps + standstill_m);
         let closing = (speed_mps * speed_mps - target_mps * target_mps).max(0.0);
-        let stop_m = standstill_m + headway_m + closing / (2.0 * keys.stopping_mps2);
+        let stop_m = standstill_m + headway_m + closing / (2.0 * STOPPING_MPS2);
         Self { desired_m, max_m: desired_m + keys.above_m, min_m, stop_m: min_m.min(stop_m) }
     }
 
@@ -96,7 +117,7 @@ pub(crate) fn acceleration_mps2(
 ) -> f64 {
     match mode {
         Mode::Predictive => {
-            (keys.free_per_s * (aim_mps - speed_mps)).clamp(keys.free_min_mps2, keys.free_max_mps2)
+            (keys.free_per_s * (aim_mps - speed_mps)).clamp(keys.free_min_mps2, FREE_MOST_MPS2)
         }
         Mode::Follow => {
             let error_m = target.gap_m - spacing.desired_m;
@@ -113,10 +134,11 @@ pub(crate) fn acceleration_mps2(
             } else {
                 wanted_mps2
             };
-            gentle_mps2.clamp(keys.follow_min_mps2, keys.follow_max_mps2)
+            gentle_mps2.clamp(FOLLOW_MPS2.0, FOLLOW_MPS2.1)
         }
-        Mode::Warn => (keys.warn_mps2 + keys.warn_per_s * target.relative_speed_mps.min(0.0))
-            .max(keys.warn_min_mps2),
+        Mode::Warn => {
+            (WARN_MPS2 + WARN_PER_S * target.relative_speed_mps.min(0.0)).max(WARN_LEAST_MPS2)
+        }
     }
 }
 
@@ -165,7 +187,7 @@ impl LastResort {
         target: &Estimate,
     ) -> Means {
         let needed_mps2 = needed_deceleration_mps2(speed_mps, target);
-        let (from_mps2, to_mps2) = (keys.brake_from_mps2, keys.brake_to_mps2);
+        let (from_mps2, to_mps2) = (keys.brake_from_mps2, BRAKE_TO_MPS2);
         self.on = needed_mps2 > from_mps2 || (self.on && needed_mps2 > to_mps2);
         if self.on {
             Means::ServiceBrake(-(BRAKING_MARGIN * needed_mps2).min(MOST_MPS2))

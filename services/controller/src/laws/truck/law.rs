@@ -12,7 +12,7 @@
 //! takes them away.
 
 use super::bounds::{believable, guarded_nm, max_speed_mps, permitted, powertrain};
-use super::following::{self, LastResort, Means, Mode, Spacing};
+use super::following::{self, JERKS_MPS3, LastResort, Means, Mode, Spacing};
 use super::planners::create;
 use super::settings::{Keys, PlannerKind, REQUESTS_MPS2, Settings};
 use super::target_filter::{Estimate, TargetFilter};
@@ -137,8 +137,7 @@ impl Predictive {
         }
         let wanted = following::acceleration_mps2(keys, mode, speed_mps, aim_mps, &spacing, target);
         let before = self.state.wanted_mps2.unwrap_or(input.ego.acceleration_mps2);
-        let up = keys.jerk_up_mps3 * input.period_s;
-        let down = keys.jerk_down_mps3 * input.period_s;
+        let [down, up] = [JERKS_MPS3.0, JERKS_MPS3.1].map(|jerk| jerk * input.period_s);
         let eased = wanted.clamp(before - down, before + up);
         self.state.wanted_mps2 = Some(eased);
         let acceleration_mps2 = match means {
@@ -303,9 +302,9 @@ impl Law for Predictive {
             && !distrusted
             && set_mps >= PLANNED_FROM_MPS
         {
-            let asked = (self.state.price.value(), keys.plan.replan_mps);
+            let price = self.state.price.value();
             self.state.request =
-                self.state.tracking.request(input, &powertrain, &preview, asked, guidance.as_ref());
+                self.state.tracking.request(input, &powertrain, &preview, price, guidance.as_ref());
         }
         output.mode = self.state.mode;
         output.mode_reason = self.state.reason;

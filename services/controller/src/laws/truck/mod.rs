@@ -54,7 +54,7 @@ pub use settings::{
 pub use time_price::{Reference, Speeds};
 pub use torque::{SpeedKeeper, limited};
 
-use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader, TargetSource};
+use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader};
 use crate::settings::Table;
 use scenario::Problem;
 use truck_model::{Preset, Truck};
@@ -70,7 +70,7 @@ pub static PREDICTIVE: Descriptor = Descriptor {
     formulations: &[&FORMULATION],
     formulation: |_| &FORMULATION,
     gap: GapPolicy::Internal,
-    target: TargetSource::Measured,
+    measured_target: true,
     trucks_alone: true,
     build,
 };

@@ -25,6 +25,13 @@ const TOO_SLOW: f64 = 0.08;
 const CRAWLING_MPS: f64 = 8.0;
 /// Slack of the rules that trim the first torque, N m.
 const TRIM_SLACK_NM: f64 = 1.0;
+/// Share of full load that is taken uphill at least. Inferred, as the next two: half and double changed no figure.
+const UPHILL_SHARE: f64 = 0.25;
+/// Speed above the set speed from which a coming hill asks for no more torque, and below it from which a coming dip asks
+/// for no less, m/s.
+const BEFORE_UPHILL_MPS: f64 = 0.5;
+const BEFORE_DOWNHILL_MPS: f64 = 2.0;
+
 /// The planner.
 #[derive(Clone, Debug)]
 pub struct PaperN2 {
@@ -223,17 +230,15 @@ impl<'a> Search<'a> {
         let speed_mps = self.request.speed_mps;
         let set_mps = self.request.set_speed_mps;
         let hold_nm = first.hold_nm.clamp(first.low_nm, first.high_nm);
-        let keys = &self.keys.plan;
         match first.stretch.class {
             Class::Downhill => torque_nm <= hold_nm.max(0.0) + TRIM_SLACK_NM,
-            Class::Uphill => torque_nm >= keys.uphill_share * first.limits_nm.1,
+            Class::Uphill => torque_nm >= UPHILL_SHARE * first.limits_nm.1,
             Class::Level => match next {
                 Class::Uphill => {
-                    speed_mps >= set_mps + keys.before_uphill_mps
-                        || torque_nm >= hold_nm - TRIM_SLACK_NM
+                    speed_mps >= set_mps + BEFORE_UPHILL_MPS || torque_nm >= hold_nm - TRIM_SLACK_NM
                 }
                 Class::Downhill => {
-                    speed_mps <= set_mps - keys.before_downhill_mps
+                    speed_mps <= set_mps - BEFORE_DOWNHILL_MPS
                         || torque_nm <= hold_nm + TRIM_SLACK_NM
                 }
                 Class::Level => true,

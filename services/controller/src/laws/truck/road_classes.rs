@@ -20,6 +20,12 @@ const MEDIAN_CELLS: usize = 5;
 /// Most cells that are looked at.
 const CELLS: usize = MAX_CELLS;
 
+/// Stretches shorter than this join a neighbour, m. Inferred, as the next two: half and double changed no figure.
+const SHORTEST_M: f64 = 150.0;
+/// Length of the segment of its own before a change of class, and longest segment before that, m.
+const LEAD_IN_M: f64 = 450.0;
+const LONGEST_M: f64 = 600.0;
+
 /// Most segments that are planned.
 pub const MOST_SEGMENTS: usize = 3;
 
@@ -133,17 +139,19 @@ impl Reconstruction {
     /// The first `wanted` segments to plan and how many there are: lead-ins apart, bodies divided.
     #[must_use]
     pub fn segments(&self, wanted: usize) -> ([Stretch; MOST_SEGMENTS], usize) {
-        let RoadKeys { lead_in_m: usual_m, longest_m, .. } = self.keys;
         let wanted = wanted.min(MOST_SEGMENTS);
         let mut segments = [Stretch::default(); MOST_SEGMENTS];
         let mut count = 0;
         for (index, stretch) in self.stretches().iter().enumerate() {
             let changes = index + 1 < self.len;
-            let lead_in_m = if changes { usual_m } else { 0.0 };
+            let lead_in_m = if changes { LEAD_IN_M } else { 0.0 };
             let body_m = stretch.length_m - lead_in_m;
-            let (body_m, lead_in_m) =
-                if body_m < 0.5 * usual_m { (0.0, stretch.length_m) } else { (body_m, lead_in_m) };
-            let pieces = (body_m / longest_m).ceil() as usize;
+            let (body_m, lead_in_m) = if body_m < 0.5 * LEAD_IN_M {
+                (0.0, stretch.length_m)
+            } else {
+                (body_m, lead_in_m)
+            };
+            let pieces = (body_m / LONGEST_M).ceil() as usize;
             let bodies = core::iter::repeat_n(body_m / pieces.max(1) as f64, pieces);
             for length_m in bodies.chain((lead_in_m > 0.0).then_some(lead_in_m)) {
                 segments[count] = Stretch { length_m, ..*stretch };
@@ -172,7 +180,7 @@ impl Reconstruction {
         if self.len < 2 {
             return None;
         }
-        self.stretches().iter().position(|stretch| stretch.length_m < self.keys.shortest_m)
+        self.stretches().iter().position(|stretch| stretch.length_m < SHORTEST_M)
     }
 
     fn nearer_neighbour(&self, index: usize) -> usize {

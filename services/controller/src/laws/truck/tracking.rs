@@ -2,12 +2,13 @@
 //! trusted.
 //!
 //! The torque of the first segment is held to its end. A new plan is asked for there, at a gear change, and
-//! when the set speed changes. It is asked for when the speed is too far off (0.6 m/s, if nothing else is
-//! set). Until it arrives, the plan in hand goes on, into its later segments if need be. Beyond its end, or far off it,
+//! when the set speed changes. It is asked for when the speed is too far off. Until it arrives, the plan in hand goes on, into its later segments if need be. Beyond its end, or far off it,
 //! there is no plan.
 
-use crate::law::{Input, Plan, PlanRequest, Powertrain, Preview};
+use crate::law::{Input, Plan, PlanRequest, Powertrain, Preview, Segment};
 
+/// Deviation from the plan's speed that asks for a new plan, m/s. Inferred; half and double changed no figure.
+const REPLAN_MPS: f64 = 0.6;
 /// Deviation at which a plan is stale, m/s.
 const STALE_MPS: f64 = 2.5;
 /// Oldest plan that is followed, s.
@@ -82,14 +83,13 @@ impl Tracking {
         })
     }
 
-    /// Requests a new plan at a price of time, if the plan in hand does not hold: also if the speed is off by
-    /// `replan_mps`.
+    /// Requests a new plan at a price of time, if the plan in hand does not hold.
     pub(crate) fn request(
         &mut self,
         input: &Input,
         powertrain: &Powertrain,
         preview: &Preview,
-        (time_price, replan_mps): (f64, f64),
+        time_price: f64,
         guidance: Option<&Guidance>,
     ) -> Option<PlanRequest> {
         if self.asked_s.is_some_and(|asked_s| (0.0..REPEAT_S).contains(&(input.time_s - asked_s))) {
@@ -100,7 +100,7 @@ impl Tracking {
         let holds = guidance.is_some_and(|guidance| {
             guidance.index < self.plan.binding
                 && self.plan.segments[self.plan.binding - 1].end_m > soon_m
-                && (guidance.speed_mps - input.ego.speed_mps).abs() <= replan_mps
+                && (guidance.speed_mps - input.ego.speed_mps).abs() <= REPLAN_MPS
                 && self.gear == powertrain.gear
                 && self.limits_mps == limits_mps
         });
@@ -123,6 +123,71 @@ impl Tracking {
             time_price,
             preview: *preview,
         })
+    }
+}
+
+impl Plan {
+    /// Empties it as the answer to a request.
+    pub(super) fn begin(&mut self, request: &PlanRequest) {
+        self.number = request.number;
+        self.time_s = request.time_s;
+        self.start_m = request.position_m;
+        self.start_speed_mps = request.speed_mps;
+        self.len = 0;
+        self.binding = 0;
+    }
+
+    /// Appends a segment.
+    pub(super) fn push(
+        &mut self,
+        end_m: f64,
+        engine_torque_nm: f64,
+        gear: Option<usize>,
+        speed_mps: f64,
+    ) {
+        let end_speed2_half = 0.5 * speed_mps * speed_mps;
+        self.segments[self.len] = Segment { end_m, engine_torque_nm, gear, end_speed2_half };
+        self.len += 1;
+    }
+
+    /// Index of the segment at a position; `None` outside.
+    #[must_use]
+    pub fn segment_at(&self, position_m: f64) -> Option<usize> {
+        if position_m.is_nan() || position_m < self.start_m {
+            return None;
+        }
+        self.segments[..self.len].iter().position(|segment| position_m < segment.end_m)
+    }
+
+    /// End of the plan, m.
+    #[must_use]
+    pub fn end_m(&self) -> f64 {
+        self.segments[..self.len].last().map_or(self.start_m, |segment| segment.end_m)
+    }
+
+    /// Planned speed at a position in segment `index`, m/s: energy is linear within a segment.
+    #[must_use]
+    pub fn speed_mps(&self, index: usize, position_m: f64) -> f64 {
+        let (start_m, start) = self.start_of(index);
+        let segment = &self.segments[index];
+        let share = ((position_m - start_m) / (segment.end_m - start_m)).clamp(0.0, 1.0);
+        (2.0 * (start + share * (segment.end_speed2_half - start))).max(0.0).sqrt()
+    }
+
+    /// Planned acceleration in segment `index`, m/s².
+    #[must_use]
+    pub fn acceleration_mps2(&self, index: usize) -> f64 {
+        let (start_m, start) = self.start_of(index);
+        let segment = &self.segments[index];
+        (segment.end_speed2_half - start) / (segment.end_m - start_m)
+    }
+
+    /// Position and v²/2 at the start of a segment.
+    fn start_of(&self, index: usize) -> (f64, f64) {
+        match index.checked_sub(1) {
+            Some(before) => (self.segments[before].end_m, self.segments[before].end_speed2_half),
+            None => (self.start_m, 0.5 * self.start_speed_mps * self.start_speed_mps),
+        }
     }
 }
 

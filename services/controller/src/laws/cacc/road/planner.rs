@@ -86,11 +86,7 @@ impl Planner {
             config: *config,
             solver,
             programs: Programs::new(config, &lag)?,
-            driver: Driver {
-                acceleration_mps2: road.acceleration_mps2,
-                deceleration_mps2: road.reference_deceleration_mps2,
-                hardest_mps2: -config.min_request_mps2,
-            },
+            driver: config.driver(),
             lag,
             safe,
             safe_gap: SafeGapTable::new(&safe),

@@ -43,24 +43,17 @@ impl PlannerKind {
     /// Keys of the law's table that this planner does not use.
     pub(super) fn unused(self) -> &'static [&'static str] {
         // Those of every planner first, then those of `paper-n2` alone.
-        const OF_PLANS: [&str; 14] = [
+        const OF_PLANS: [&str; 7] = [
             "road.horizon_m",
             "plan.terminal_square",
             "plan.time_price",
-            "plan.replan_mps",
             "road.uphill_grade",
             "road.downhill_grade",
-            "road.shortest_m",
-            "road.lead_in_m",
-            "road.longest_m",
             "plan.segments",
             "plan.torque_levels",
-            "plan.uphill_share",
-            "plan.before_uphill_mps",
-            "plan.before_downhill_mps",
         ];
         match self {
-            Self::DynamicProgramming => &OF_PLANS[4..],
+            Self::DynamicProgramming => &OF_PLANS[3..],
             Self::PaperN2 => &[],
             Self::ConstantSpeed => &OF_PLANS,
         }

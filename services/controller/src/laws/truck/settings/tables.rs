@@ -47,12 +47,6 @@ parameters! {
         above_m: f64 = 15.0, "m", 0.0..=100.0, "At 7.5: fuel -0.8 %; at 30: fuel -1.5 %.";
         /// Buffer below the desired gap, down to d_min, m (15).
         below_m: f64 = 12.0, "m", 0.0..=100.0, "At 6: hardest braking -5 %, fuel -0.9 %; at 24: no change.";
-        /// Least time headway of d_min, s (inferred).
-        least_headway_s: f64 = 0.8, "s", 0.0..=3.0, "No change at 0.4 and 1.6.";
-        /// Time headway of d_stop, and least one of the desired gap, s (inferred).
-        stop_headway_s: f64 = 1.0, "s", 0.0..=3.0, "No change at 0.5 and 2.";
-        /// Deceleration of both in d_stop, the least gap when both brake to a standstill, m/s² (inferred).
-        stopping_mps2: f64 = 4.0, "m/s²", 0.5..=8.0, "No change at 2 and 8.";
         /// Deceleration with drag alone, by which a collision is at risk, m/s² (inferred).
         drag_mps2: f64 = 0.08, "m/s²", 0.01..=0.5, "At 0.04: fuel +0.5 %; at 0.16: no change.";
         /// A target is let go this far beyond d_max, m (inferred).
@@ -76,8 +70,6 @@ parameters! {
         free_per_s: f64 = 0.12, "1/s", 0.01..=2.0, "At 0.06: fuel +0.7 %; at 0.24: fuel -0.9 %.";
         /// Mode 1: least acceleration, m/s².
         free_min_mps2: f64 = -0.3, "m/s²", -3.0..=0.0, "At -0.15: fuel +0.5 %; at -0.6: no change.";
-        /// Mode 1: largest acceleration, m/s².
-        free_max_mps2: f64 = 0.25, "m/s²", 0.0..=1.5, "No change at 0.125 and 0.5.";
         /// Mode 2 inside the band: acceleration per speed error, 1/s.
         inside_per_s: f64 = 0.15, "1/s", 0.01..=2.0,
             "At 0.075: least gap -4 %, fuel -0.4 %; at 0.3: fuel +0.2 %.";
@@ -87,25 +79,9 @@ parameters! {
         outside_per_s: f64 = 0.35, "1/s", 0.01..=2.0, "At 0.175: fuel -0.2 %; at 0.7: fuel -0.1 %.";
         /// Mode 2 outside the band: acceleration per metre outside, 1/s².
         outside_per_s2: f64 = 0.02, "1/s²", 0.0..=0.5, "At 0.01: no change; at 0.04: fuel -0.2 %.";
-        /// Mode 2: least acceleration, m/s².
-        follow_min_mps2: f64 = -0.8, "m/s²", -3.0..=0.0, "No change at -0.4 and -1.6.";
-        /// Mode 2: largest acceleration, m/s².
-        follow_max_mps2: f64 = 0.3, "m/s²", 0.0..=1.5, "No change at 0.15 and 0.6.";
-        /// Mode 3: acceleration behind a target that is at least as fast, m/s².
-        warn_mps2: f64 = -0.8, "m/s²", -3.0..=0.0, "No change at -0.4 and -1.6.";
-        /// Mode 3: more of it per closing speed, 1/s.
-        warn_per_s: f64 = 0.3, "1/s", 0.0..=2.0, "No change at 0.15 and 0.6.";
-        /// Mode 3: least acceleration, m/s².
-        warn_min_mps2: f64 = -2.5, "m/s²", -6.0..=0.0, "No change at -1.25 and -5.";
-        /// Jerk while the request rises, m/s³.
-        jerk_up_mps3: f64 = 1.0, "m/s³", 0.1..=10.0, "No change at 0.5 and 2.";
-        /// Jerk while the request falls, m/s³.
-        jerk_down_mps3: f64 = 1.5, "m/s³", 0.1..=10.0, "No change at 0.75 and 3.";
         /// Needed deceleration from which the service brakes are used, m/s².
         brake_from_mps2: f64 = 0.6, "m/s²", 0.0..=6.0,
             "At 0.3: no change; at 1.2: hardest braking +2 %, rms jerk +6 %.";
-        /// Needed deceleration below which they are let go, m/s².
-        brake_to_mps2: f64 = 0.2, "m/s²", 0.0..=6.0, "No change at 0.1 and 0.4.";
     }
 }
 
@@ -145,12 +121,6 @@ parameters! {
         /// Grade to which a cell is downhill; absent: that which drag holds at the set speed.
         #[serde(skip_serializing_if = "Option::is_none")]
         downhill_grade: Option<f64> = None, "1", -0.2..=0.0, "Inferred.";
-        /// Stretches shorter than this join a neighbour, m (inferred).
-        shortest_m: f64 = 150.0, "m", 50.0..=1000.0, "No change at 75 and 300.";
-        /// Length of the segment of its own before a change of class, m (inferred).
-        lead_in_m: f64 = 450.0, "m", 50.0..=2000.0, "No change at 225 and 900.";
-        /// Longest segment before it, m (inferred).
-        longest_m: f64 = 600.0, "m", 100.0..=3200.0, "No change at 300 and 1200.";
     }
 }
 
@@ -169,14 +139,6 @@ parameters! {
         /// Price of time in the first plan, over the flat's; absent: 1.6 for `paper-n2`, 1.3 else (inferred).
         #[serde(skip_serializing_if = "Option::is_none")]
         time_price: Option<f64> = None, "1", 0.5..=5.0, "Inferred.";
-        /// Share of full load that `paper-n2` takes uphill at least (inferred).
-        uphill_share: f64 = 0.25, "1", 0.0..=1.0, "No change at 0.125 and 0.5.";
-        /// Speed above the set speed from which a coming hill asks for no more torque, m/s (inferred).
-        before_uphill_mps: f64 = 0.5, "m/s", 0.0..=5.0, "No change at 0.25 and 1.";
-        /// Speed below the set speed from which a coming dip asks for no less torque, m/s (inferred).
-        before_downhill_mps: f64 = 2.0, "m/s", 0.0..=5.0, "No change at 1 and 4.";
-        /// Deviation from the plan's speed that asks for a new plan, m/s (inferred).
-        replan_mps: f64 = 0.6, "m/s", 0.1..=5.0, "No change at 0.3 and 1.2.";
     }
 }
 
