@@ -3,7 +3,7 @@
 
 use controller::law::{Descriptor, Figure};
 use controller::laws;
-use messages::{Element, Field, LAYOUT_VERSION, Layout, TOPICS};
+use messages::{Element, LAYOUT_VERSION, Layout, TOPICS};
 use recorder::schema as layouts;
 use scenario::schema::{Key, Shape, Variant};
 use serde_json::{Map, Value, json};
@@ -351,14 +351,12 @@ fn names(services: &[messages::Service], none: &str) -> String {
     if names.is_empty() { none.into() } else { names.join(", ") }
 }
 
-/// The first field of most messages, said once at the head of the page.
-const COMMON: &str = "Common header.";
-
 fn structure(page: &mut String, layout: &Layout) {
     let (name, bytes) = (layout.name, layout.bytes);
     *page += &format!("\n## {name}\n\n{bytes} bytes.\n\nfield | type | meaning\n--- | --- | ---\n");
-    let is_told = |field: &&Field| field.meaning() != COMMON;
-    for field in layout.fields.iter().filter(is_told) {
+    // The head of the page describes the header once.
+    let fields = layout.fields.iter().filter(|field| field.meaning() != "Common header.");
+    for field in fields {
         let element = match field.shape.element {
             Element::Struct(inner) => link(inner),
             scalar => scalar.name().to_owned(),

@@ -18,7 +18,6 @@ use std::fmt::Display;
 /// Largest number of combinations that a terminal shows one by one.
 const MAX_LINES: usize = 12;
 
-/// The document; `runs` are its sums with their times.
 pub fn document(verdict: &Verdict, runs: &Sum) -> Document {
     let all = &verdict.all;
     let document = Document::new("campaign", &format!("Campaign {}", verdict.campaign), verdict)

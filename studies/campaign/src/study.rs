@@ -177,7 +177,6 @@ impl Study for FileCampaign {
     }
 }
 
-/// Arguments of `campaign`.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 #[command(after_help = "`timegap list` describes the built-in campaigns.")]
 pub struct CampaignArguments {

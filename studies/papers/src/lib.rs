@@ -58,7 +58,6 @@ struct Paper {
     pictures: Pictures,
 }
 
-/// Arguments of `reproduce`.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct ReproduceArguments {
     /// Paper [default: all]

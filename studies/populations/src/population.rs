@@ -56,20 +56,17 @@ pub trait Population: Sized + Sync {
     fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Self::Facts;
 
     /// True if the drive counts in the figures with limits.
-    fn counts(drive: &Drive<Self::Facts>) -> bool {
-        let _ = drive;
+    fn counts(_: &Drive<Self::Facts>) -> bool {
         true
     }
 
     /// True if the drive may have no finding. Others are there for comparison.
-    fn is_judged(drive: &Drive<Self::Facts>) -> bool {
-        let _ = drive;
+    fn is_judged(_: &Drive<Self::Facts>) -> bool {
         true
     }
 
     /// The finding about a drive, if there is one.
-    fn finding(drive: &Drive<Self::Facts>) -> Option<Finding> {
-        let _ = drive;
+    fn finding(_: &Drive<Self::Facts>) -> Option<Finding> {
         None
     }
 

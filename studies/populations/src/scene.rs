@@ -91,7 +91,6 @@ impl Actor {
         }
     }
 
-    /// Place and motion at `time_s`.
     pub fn at(&self, time_s: f64) -> Place {
         let (mut rear_m, mut speed_mps, mut acceleration_mps2) = (self.gap_m, self.speed_mps, 0.0);
         let first_s = self.speeds.first().map_or(f64::INFINITY, |change| change.from_s);
@@ -189,6 +188,11 @@ impl Scene {
         Self { speed_mps, set_mps, duration_s, law, actors, keys, plant, tables }
     }
 
+    pub fn with(mut self, actor: Actor) -> Self {
+        self.actors.push(actor);
+        self
+    }
+
     /// The scenario file of it.
     pub fn text(&self, name: &str, seed: u64) -> String {
         let Self { speed_mps, set_mps, duration_s, law, actors, keys, plant, tables } = self;
@@ -228,11 +232,6 @@ impl Draws {
     /// Uniform between two values.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * random::uniform(&mut self.random)
-    }
-
-    /// Uniform in the logarithm between two positive values.
-    pub fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        libm::exp(self.between(libm::log(low), libm::log(high)))
     }
 
     pub fn chance(&mut self, probability: f64) -> bool {

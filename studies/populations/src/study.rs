@@ -15,7 +15,6 @@ use supervise::{Error, UsageError};
 use crate::population::{Drive, DriveOptions, Planned, Population};
 use crate::results;
 
-/// Arguments of all populations.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct PopulationArguments {
     /// Number of scenes [default: the population's]

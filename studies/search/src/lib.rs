@@ -36,7 +36,6 @@ use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 use supervise::{ScenarioOptions, UsageError};
 
-/// Arguments of `search`.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct SearchArguments {
     /// A search file (docs/search.md), or a scenario with --vary or --faults

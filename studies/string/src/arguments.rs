@@ -26,7 +26,6 @@ const MAX_VEHICLES: usize = 1_000;
 /// Most runs of the command.
 const MAX_RUNS: usize = 1_000_000;
 
-/// Arguments of `string`.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct StringArguments {
     /// Scenario of the first car: name of a built-in one (see `timegap list`), or a TOML file

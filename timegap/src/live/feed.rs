@@ -1,6 +1,5 @@
 //! From the moments of a run to frames, at most ten a second.
 
-use messages::Diagnostics;
 use messages::level::Level;
 use report::print;
 use runtime::statistics::{Latencies, Percentiles};
@@ -118,7 +117,10 @@ impl LiveFeed {
             self.cycle_step.is_some_and(|last| message.header.step <= last)
         });
         for cycle in &cycles[first_cycle..] {
-            self.answers_of(cycle);
+            let radar = cycle.header.origins.radar;
+            if radar.is_some() {
+                self.answers.record_ns(cycle.header.publish_ns - radar.acquisition_ns);
+            }
             (self.mode, self.quality) = (Some(cycle.mode), cycle.quality);
             self.enter(Level::by_number(cycle.rung), cycle.header.publish_ns as f64 / 1e9);
         }
@@ -164,13 +166,6 @@ impl LiveFeed {
             level: self.level.name(),
             answer_us: self.answers.percentiles_us(),
             events: self.events(moment.faults),
-        }
-    }
-
-    fn answers_of(&mut self, cycle: &Diagnostics) {
-        let radar = cycle.header.origins.radar;
-        if radar.is_some() {
-            self.answers.record_ns(cycle.header.publish_ns - radar.acquisition_ns);
         }
     }
 

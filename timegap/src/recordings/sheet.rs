@@ -10,7 +10,6 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use supervise::Error;
 
-/// Rows of a row group.
 const GROUP: usize = 10_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

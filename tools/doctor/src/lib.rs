@@ -42,7 +42,6 @@ const PROCESSES_BYTES: u64 = 64 << 20;
 /// Time for which each loop is measured, s.
 const MEASURE_S: f64 = 2.0;
 
-/// Arguments of `doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorArguments {
     /// A loop of the user's own.

@@ -156,7 +156,6 @@ pub fn compared() -> impl Iterator<Item = &'static Figure> {
 
 /// The figures of one drive, in JSON an object of all names.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[must_use]
 pub struct Values(pub [Option<f64>; COUNT]);
 
 impl Default for Values {

@@ -34,7 +34,6 @@ pub(crate) fn holds(shard: Option<Shard>, run: usize) -> bool {
     shard.is_none_or(|shard| shard.holds(run))
 }
 
-/// The refusal of a text that is no shard.
 fn no_shard(text: &str) -> UsageError {
     let expected = "I/N with I from 1 to N, auto or auto/N";
     UsageError::at(format_args!("`{text}`"), "not a shard", expected)

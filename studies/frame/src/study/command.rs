@@ -54,7 +54,6 @@ pub struct RunOptions {
     pub results: ResultOptions,
 }
 
-/// Arguments of `merge`.
 #[derive(Clone, Debug, Args)]
 pub struct MergeArguments {
     /// Directories of the parts
@@ -65,7 +64,6 @@ pub struct MergeArguments {
     pub results: ResultOptions,
 }
 
-/// Arguments of `resume`.
 #[derive(Clone, Debug, Args)]
 #[command(mut_arg("out", |out| out.requires("shard")))]
 pub struct ResumeArguments {

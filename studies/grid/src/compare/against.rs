@@ -132,7 +132,6 @@ impl Against {
         self.broken.is_empty() && self.worse().next().is_none()
     }
 
-    /// The verdict in a sentence.
     pub fn verdict(&self) -> String {
         let Self { baseline, pairs, missing, broken, .. } = self;
         let worse = self.worse().count();

@@ -29,7 +29,6 @@ use supervise::{Error, Opening, ScenarioOptions, UsageError};
 use crate::cells::{Cell, Grid};
 use crate::row::Row;
 
-/// Arguments of `compare`.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct CompareArguments {
     /// Names of built-in scenarios, or TOML files

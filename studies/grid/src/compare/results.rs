@@ -129,7 +129,7 @@ pub fn document(
     };
     let whole = Comparison { schema_version: 1, ok, rows, means, differences, rule, against };
     let table = match seeds {
-        1 => runs_table(&whole.rows),
+        1 => Table::new("Runs", &of_runs(false), &whole.rows).blocks("scenario"),
         _ => means_table(&points(&whole.rows)),
     };
     // With a baseline a run that does not complete is no failure by itself.
@@ -145,7 +145,7 @@ pub fn document(
         }
         document = document
             .text(whole.rule.clone().unwrap_or_default())
-            .table(runs_with_seeds(&whole.rows).for_pages());
+            .table(Table::new("Runs", &of_runs(true), &whole.rows).for_pages());
     }
     if let Some(against) = &whole.against {
         document = against.tables().into_iter().fold(document, Document::table);
@@ -224,16 +224,6 @@ const DIFFERENCES: &[Column<Difference>] = &[
     count("n", "n", "").weight(2),
     word("", "law is", "").of(|difference| json!(difference.verdict())),
 ];
-
-/// The runs as a table with a block for each scenario.
-pub fn runs_table(rows: &[Row]) -> Table {
-    Table::new("Runs", &of_runs(false), rows).blocks("scenario")
-}
-
-/// The runs of several seeds, whose seeds belong to their names.
-pub fn runs_with_seeds(rows: &[Row]) -> Table {
-    Table::new("Runs", &of_runs(true), rows)
-}
 
 /// The means as a table with a block for each scenario.
 pub fn means_table(points: &[Point<'_>]) -> Table {

@@ -30,7 +30,6 @@ use crate::row::Row;
 /// Most runs of a sweep.
 const MAX_RUNS: usize = 100_000;
 
-/// Arguments of `sweep`.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct SweepArguments {
     /// Name of a built-in scenario (see `timegap list`), or a TOML file

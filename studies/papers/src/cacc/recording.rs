@@ -57,7 +57,6 @@ impl Recording {
             .sum()
     }
 
-    /// Requests in `[from_s, to_s]`.
     pub fn requests_mps2(&self, from_s: f64, to_s: f64) -> &[f64] {
         let until = |place_s: f64| self.time_s.partition_point(|t| *t < place_s);
         &self.request_mps2[until(from_s - TIE_S)..until(to_s + TIE_S)]

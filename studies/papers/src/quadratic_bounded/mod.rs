@@ -78,7 +78,6 @@ fn first_mode(driven: &Driven, from_s: f64, mode: u32) -> Option<f64> {
     steps.find(|step| step.time_s >= from_s && step.mode == Some(mode)).map(|step| step.time_s)
 }
 
-/// The pedals behind a step.
 fn pressed(step: &DriveStep) -> Pedals {
     pedals(step.speed_mps, step.acceleration_mps2)
 }

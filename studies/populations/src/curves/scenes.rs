@@ -114,15 +114,10 @@ fn wander(draws: &mut Draws, lane_m: f64, until_s: f64) -> Vec<LateralChange> {
     motions
 }
 
-/// True if queue `number` stands at the start of its curve.
-pub fn is_entry(number: u64) -> bool {
-    number % 2 == 1
-}
-
 /// Queue `number`, in the ego's lane or beside it.
 pub fn queue(number: u64, is_in_lane: bool) -> Scene {
     let mut draws = Draws::new(number, QUEUES);
-    let radius_m = draws.log_between(125.0, 1_000.0);
+    let radius_m = libm::exp(draws.between(libm::log(125.0), libm::log(1_000.0)));
     let fastest_mps = libm::sqrt(COMFORT_MPS2 * radius_m).min(FASTEST_MPS);
     let speed_mps = draws.between(0.7, 1.0) * fastest_mps;
     let turn = if draws.side() > 0.0 { "left" } else { "right" };
@@ -130,7 +125,8 @@ pub fn queue(number: u64, is_in_lane: bool) -> Scene {
     let arc_m = radius_m.clamp(ARC_M.0, ARC_M.1);
     let (into_m, behind_m) = (draws.between(5.0, 100.0), draws.between(-30.0, 60.0));
     let bend_m = spiral_m.unwrap_or(0.0);
-    let before_m = bend_m + if is_entry(number) { into_m } else { arc_m + behind_m };
+    let is_entry = number % 2 == 1;
+    let before_m = bend_m + if is_entry { into_m } else { arc_m + behind_m };
     let line_m = (APPROACH_M - before_m).max(60.0);
     let lane_m = if is_in_lane { 0.0 } else { LANE_M };
     let lane_m = draws.side() * lane_m;

@@ -24,13 +24,11 @@ pub fn cut_in(draws: &mut Draws) -> Scene {
     let (from_s, lasts_s) = (draws.between(2.0, 4.0), draws.between(3.0, 6.0));
     // The gap is that at the end of the motion.
     let gap_m = time_gap_s * speed_mps + 2.0 + slower_mps.max(0.0) * (from_s + lasts_s);
-    let mut scene = Scene::new(speed_mps, speed_mps, from_s + lasts_s + 10.0);
-    scene.actors.push(Actor {
+    Scene::new(speed_mps, speed_mps, from_s + lasts_s + 10.0).with(Actor {
         lateral_m: LANE_M * draws.side(),
         laterals: vec![LateralChange { from_s, to_m: 0.0, lasts_s }],
         ..Actor::car("other", gap_m, speed_mps - slower_mps)
-    });
-    scene
+    })
 }
 
 /// A vehicle that comes in with 0.5 to 1.5 s of time gap, 2 to 10 m/s slower. It then brakes.
@@ -42,14 +40,12 @@ pub fn cut_in_that_brakes(draws: &mut Draws) -> Scene {
     let gap_m = draws.between(0.5, 1.5) * speed_mps + (speed_mps - other_mps) * half_in_s;
     let brakes_s = half_in_s + draws.between(0.5, 3.0);
     let rate_mps2 = draws.between(2.0, 5.0);
-    let mut scene = Scene::new(speed_mps, speed_mps, brakes_s + other_mps / rate_mps2 + 5.0);
-    scene.actors.push(Actor {
+    Scene::new(speed_mps, speed_mps, brakes_s + other_mps / rate_mps2 + 5.0).with(Actor {
         lateral_m: LANE_M * draws.side(),
         laterals: vec![LateralChange { from_s, to_m: 0.0, lasts_s }],
         speeds: vec![brakes(brakes_s, rate_mps2)],
         ..Actor::car("other", gap_m, other_mps)
-    });
-    scene
+    })
 }
 
 /// A faster car that comes in close ahead and pulls away.
@@ -57,40 +53,41 @@ pub fn pulls_away(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(12.0, 34.0);
     let other_mps = speed_mps + draws.between(0.5, 6.0);
     let (from_s, lasts_s) = (draws.between(2.0, 4.0), draws.between(2.0, 5.0));
-    let mut scene = Scene::new(speed_mps, speed_mps, from_s + lasts_s + 10.0);
-    scene.actors.push(Actor {
+    Scene::new(speed_mps, speed_mps, from_s + lasts_s + 10.0).with(Actor {
         lateral_m: LANE_M * draws.side(),
         laterals: vec![LateralChange { from_s, to_m: 0.0, lasts_s }],
         ..Actor::car("other", draws.between(3.0, 15.0), other_mps)
-    });
-    scene
+    })
 }
 
 /// A car in the lane that is 2 to 12 m/s slower, seen from afar.
 pub fn slower(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(14.0, 36.0);
     let other_mps = speed_mps - draws.between(2.0, 12.0);
-    let mut scene = Scene::new(speed_mps, speed_mps, 35.0);
-    scene.actors.push(Actor::car("slower", draws.between(80.0, 250.0), other_mps));
-    scene
+    Scene::new(speed_mps, speed_mps, 35.0).with(Actor::car(
+        "slower",
+        draws.between(80.0, 250.0),
+        other_mps,
+    ))
 }
 
 /// A car that stands in the lane.
 pub fn standing(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(8.0, 30.0);
     let gap_m = draws.between(150.0, 300.0);
-    let mut scene = Scene::new(speed_mps, speed_mps, gap_m / speed_mps + 15.0);
-    scene.actors.push(Actor::car("standing", gap_m, 0.0));
-    scene
+    Scene::new(speed_mps, speed_mps, gap_m / speed_mps + 15.0)
+        .with(Actor::car("standing", gap_m, 0.0))
 }
 
 /// A car that is 12 to 28 m/s slower, 70 to 120 m ahead.
 pub fn fast_closing(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(26.0, 36.0);
     let other_mps = (speed_mps - draws.between(12.0, 28.0)).max(0.0);
-    let mut scene = Scene::new(speed_mps, speed_mps, 25.0);
-    scene.actors.push(Actor::car("slow", draws.between(70.0, 120.0), other_mps));
-    scene
+    Scene::new(speed_mps, speed_mps, 25.0).with(Actor::car(
+        "slow",
+        draws.between(70.0, 120.0),
+        other_mps,
+    ))
 }
 
 /// A lead that brakes to standstill with 0.5 to 2.5 m/s², waits and moves off.
@@ -100,10 +97,9 @@ pub fn stop(draws: &mut Draws) -> Scene {
     let going_mps2 = draws.between(0.5, 1.5);
     let goes_s = SETTLE_S + speed_mps / braking_mps2 + draws.between(2.0, 5.0);
     let goes = SpeedChange { from_s: goes_s, to_mps: speed_mps, rate_mps2: going_mps2 };
-    let mut scene = Scene::new(speed_mps, speed_mps + 4.0, goes_s + 10.0);
     let speeds = vec![brakes(SETTLE_S, braking_mps2), goes];
-    scene.actors.push(Actor { speeds, ..settled(speed_mps) });
-    scene
+    Scene::new(speed_mps, speed_mps + 4.0, goes_s + 10.0)
+        .with(Actor { speeds, ..settled(speed_mps) })
 }
 
 /// A lead that stops and goes four times.
@@ -117,19 +113,17 @@ pub fn stop_and_go(draws: &mut Draws) -> Scene {
             time_s += speed_mps / rate_mps2 + draws.between(1.0, 6.0);
         }
     }
-    let mut scene = Scene::new(speed_mps, speed_mps + 6.0, time_s + 5.0);
-    scene.actors.push(Actor { speeds, ..settled(speed_mps) });
-    scene
+    Scene::new(speed_mps, speed_mps + 6.0, time_s + 5.0)
+        .with(Actor { speeds, ..settled(speed_mps) })
 }
 
 /// A lead that brakes with 3 to 9 m/s² after settled following.
 pub fn braking_lead(draws: &mut Draws) -> Scene {
     let braking_mps2 = draws.between(3.0, 9.0);
     let speed_mps = draws.between(8.0, 36.0);
-    let mut scene = Scene::new(speed_mps, speed_mps + 4.0, SETTLE_S + speed_mps / 2.5 + 6.0);
     let speeds = vec![brakes(SETTLE_S, braking_mps2)];
-    scene.actors.push(Actor { speeds, ..settled(speed_mps) });
-    scene
+    Scene::new(speed_mps, speed_mps + 4.0, SETTLE_S + speed_mps / 2.5 + 6.0)
+        .with(Actor { speeds, ..settled(speed_mps) })
 }
 
 /// Slower vehicles in both neighbouring lanes, which wander in theirs and are passed.
@@ -173,9 +167,8 @@ pub fn led_queue(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(8.0, 36.0);
     let crawls = draws.chance(0.5);
     let other_mps = if crawls { draws.between(0.5, 0.4 * speed_mps) } else { 0.0 };
-    let mut scene = beside(draws, speed_mps, other_mps, 7);
-    scene.actors.push(Actor::car("lead", draws.between(1.5, 2.5) * speed_mps + 5.0, speed_mps));
-    scene
+    let scene = beside(draws, speed_mps, other_mps, 7);
+    scene.with(Actor::car("lead", draws.between(1.5, 2.5) * speed_mps + 5.0, speed_mps))
 }
 
 /// Vehicles at one speed: in a column on one side, in turn left and right, or in pairs exactly abreast.
@@ -206,10 +199,13 @@ pub fn two_wheeler(draws: &mut Draws) -> Scene {
     let width_m = draws.between(0.5, 0.8);
     let lateral_m = draws.side() * (0.9 + draws.between(0.5, 1.0) + 0.5 * width_m);
     let gap_m = draws.between(50.0, 140.0);
-    let mut scene = Scene::new(speed_mps, speed_mps, gap_m / speed_mps + 4.0);
     let rider = Actor::car("rider", gap_m, 0.0);
-    scene.actors.push(Actor { lateral_m, width_m, length_m: 1.9, ..rider });
-    scene
+    Scene::new(speed_mps, speed_mps, gap_m / speed_mps + 4.0).with(Actor {
+        lateral_m,
+        width_m,
+        length_m: 1.9,
+        ..rider
+    })
 }
 
 /// A lead that leaves for the next lane, in time, before a vehicle that stands or is slow.
@@ -224,11 +220,10 @@ pub fn cut_out(draws: &mut Draws) -> Scene {
     let front_m = lead.gap_m + CAR_LENGTH_M + speed_mps * end_s;
     let gap_m = front_m + left_s * (speed_mps - other_mps) - other_mps * end_s;
     let to_m = LANE_M * draws.side();
-    let mut scene = Scene::new(speed_mps, speed_mps, end_s + left_s + 15.0);
     let laterals = vec![LateralChange { from_s: SETTLE_S, to_m, lasts_s: leaves_in_s }];
-    scene.actors.push(Actor { laterals, ..lead });
-    scene.actors.push(Actor::car("other", gap_m, other_mps));
-    scene
+    Scene::new(speed_mps, speed_mps, end_s + left_s + 15.0)
+        .with(Actor { laterals, ..lead })
+        .with(Actor::car("other", gap_m, other_mps))
 }
 
 /// A car 3 to 8 m/s slower, or a lead that brakes gently. The radar misses 30 to 90 % of what it should see.
@@ -301,13 +296,11 @@ pub fn brakes_beside(draws: &mut Draws) -> Scene {
     let gap_m = (draws.between(0.0, 40.0) + (speed_mps - other_mps) * from_s).max(0.0);
     let rate_mps2 = draws.between(2.0, 8.0);
     let slows = SpeedChange { from_s, to_mps: other_mps * draws.between(0.0, 0.5), rate_mps2 };
-    let mut scene = Scene::new(speed_mps, speed_mps, from_s + other_mps / rate_mps2 + 8.0);
-    scene.actors.push(Actor {
+    Scene::new(speed_mps, speed_mps, from_s + other_mps / rate_mps2 + 8.0).with(Actor {
         lateral_m: draws.side() * draws.between(3.2, 3.75),
         speeds: vec![slows],
         ..Actor::car("beside", gap_m, other_mps)
-    });
-    scene
+    })
 }
 
 #[cfg(test)]

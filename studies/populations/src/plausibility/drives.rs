@@ -106,10 +106,9 @@ fn waves(draws: &mut Draws, speed_mps: f64) -> String {
 }
 
 /// A car behind a lead in waves.
-fn behind_waves(draws: &mut Draws, mut scene: Scene, speed_mps: f64) -> Scene {
+fn behind_waves(draws: &mut Draws, scene: Scene, speed_mps: f64) -> Scene {
     let keys = waves(draws, speed_mps);
-    scene.actors.push(Actor { keys, ..lead(draws, speed_mps) });
-    scene
+    scene.with(Actor { keys, ..lead(draws, speed_mps) })
 }
 
 fn free_road(draws: &mut Draws) -> Scene {
@@ -119,19 +118,16 @@ fn free_road(draws: &mut Draws) -> Scene {
 
 fn steady_lead(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(3.0, 34.0);
-    let mut scene = car(draws, 60.0, speed_mps, speed_mps + 3.0);
-    scene.actors.push(lead(draws, speed_mps));
-    scene
+    car(draws, 60.0, speed_mps, speed_mps + 3.0).with(lead(draws, speed_mps))
 }
 
 fn ideal_radar(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(5.0, 30.0);
     let law = draws.one(&LAWS);
     let radar = "[perception]\nideal = true\n".to_owned();
-    let mut scene = car_with(draws, (60.0, speed_mps, speed_mps + 3.0), law, radar);
+    let scene = car_with(draws, (60.0, speed_mps, speed_mps + 3.0), law, radar);
     let keys = if draws.chance(0.5) { String::new() } else { waves(draws, speed_mps) };
-    scene.actors.push(Actor { keys, ..lead(draws, speed_mps) });
-    scene
+    scene.with(Actor { keys, ..lead(draws, speed_mps) })
 }
 
 fn object_list(draws: &mut Draws) -> Scene {
@@ -218,8 +214,7 @@ fn truck(draws: &mut Draws) -> Scene {
         rate_mps2: fixed(draws.between(0.3, 2.0), 2),
     };
     let goes = SpeedChange { from_s: 60.0, to_mps: fixed(speed_mps, 1), rate_mps2: 0.5 };
-    scene.actors.push(Actor { speeds: vec![slows, goes], ..lead(draws, speed_mps) });
-    scene
+    scene.with(Actor { speeds: vec![slows, goes], ..lead(draws, speed_mps) })
 }
 
 fn cycle(draws: &mut Draws) -> Scene {

@@ -163,7 +163,6 @@ impl Domain {
     }
 }
 
-/// A number rounded to this number of significant digits.
 pub fn rounded(number: f64, digits: usize) -> f64 {
     format!("{number:.*e}", digits - 1).parse().unwrap_or(number)
 }

@@ -80,7 +80,6 @@ impl Test {
         }
     }
 
-    /// Its scenario for `law`, with the options of all drives.
     pub fn scenario(self, law: &str, drives: &DriveOptions, seed: u32) -> Result<Scenario, Error> {
         let (duration_s, set_mps, initial_mps, keys) = match self {
             Self::Acquisition => (60.0, APPROACH_MPS, APPROACH_MPS, ACQUISITION.to_owned()),

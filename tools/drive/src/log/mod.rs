@@ -69,7 +69,6 @@ pub struct DriveLog {
     kept: KeptSteps,
     present: Present,
     signs: Vec<Sign>,
-    /// Newest incarnation of each service.
     incarnations: [u32; Service::ALL.len()],
     first_messages: Vec<(Service, u32, i64)>,
 }

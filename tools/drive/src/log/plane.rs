@@ -241,7 +241,12 @@ impl PlaneLog {
         let scenes = self.bodies.into_iter().filter_map(|(_, time_ns, mut bodies)| {
             let ego = take_step(&mut egos, time_ns, |entry| entry.1)?.2;
             let truth = take_step(&mut truths, time_ns, |truth| truth.header.acquisition_ns);
-            place_on_axis(&mut bodies, truth);
+            let vehicles = truth.iter().flat_map(|truth| &truth.vehicles);
+            for (body, vehicle) in bodies.iter_mut().zip(vehicles) {
+                body.rear_position_m = vehicle.rear_position_m;
+                body.speed_mps = vehicle.speed_mps;
+                body.in_lane = vehicle.in_lane != 0;
+            }
             let seen = take_step(&mut seen, time_ns, |entry| entry.1);
             let seen = seen.map(|(_, _, published_s, selected)| Seen {
                 published_s: *published_s,
@@ -250,15 +255,6 @@ impl PlaneLog {
             Some(PlaneScene { time_s: time_ns as f64 / 1e9, ego, bodies, seen })
         });
         scenes.collect()
-    }
-}
-
-/// Gives the bodies of a scan their places on the axis.
-fn place_on_axis(bodies: &mut [Body], truth: Option<&AllVehicles>) {
-    for (body, vehicle) in bodies.iter_mut().zip(truth.iter().flat_map(|truth| &truth.vehicles)) {
-        body.rear_position_m = vehicle.rear_position_m;
-        body.speed_mps = vehicle.speed_mps;
-        body.in_lane = vehicle.in_lane != 0;
     }
 }
 

@@ -30,7 +30,6 @@ const MEAN_DECIMALS: usize = 2;
 /// assert_eq!(COLUMNS[1].head.title(), "min gap, m");
 /// ```
 #[derive(Debug)]
-#[must_use]
 pub struct Column<R> {
     pub head: Head,
     cell: Cell<R>,

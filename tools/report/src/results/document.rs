@@ -63,7 +63,6 @@ impl Broken {
 /// assert!(document.markdown().contains("| acc-mpc | 8.2 |"));
 /// ```
 #[derive(Clone, Debug)]
-#[must_use]
 pub struct Document {
     pub(super) command: &'static str,
     /// Name of the file with the JSON, where it is not the command's.

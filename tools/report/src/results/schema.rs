@@ -28,7 +28,6 @@ pub type Object = Map<String, Value>;
 /// assert_eq!(check(&schema, &wrong), ["rows.0.law: 7 is not of type string"]);
 /// ```
 #[derive(Clone, Debug)]
-#[must_use]
 pub struct Schema {
     command: &'static str,
     root: Value,

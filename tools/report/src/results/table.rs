@@ -12,7 +12,6 @@ pub type Fact = (String, String);
 
 /// A table of a result. It does not depend on the type of its rows any more.
 #[derive(Clone, Debug)]
-#[must_use]
 pub struct Table {
     pub(super) heading: String,
     pub(super) columns: Vec<Head>,

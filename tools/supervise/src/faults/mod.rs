@@ -83,7 +83,6 @@ pub struct Faults {
 }
 
 impl Faults {
-    /// Those of the scenario.
     pub fn of(scenario: &Scenario) -> Self {
         let mut faults = Self {
             planned: Vec::new(),

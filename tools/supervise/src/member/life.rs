@@ -5,10 +5,7 @@
 
 use controller::laws;
 use drive::log::{CycleHistory, DriveLog};
-use drive::report::{
-    ControllerReport, Details, ModeChange, Outcome, PlantReport, ReceivedTopic, SentTopic,
-    ServiceReport,
-};
+use drive::report::{ControllerReport, Details, ModeChange, Outcome, PlantReport, ServiceReport};
 use messages::Service;
 use runtime::scheduling::Granted;
 use runtime::statistics::Percentiles;
@@ -50,31 +47,23 @@ pub fn whole(reports: Vec<ServiceReport>) -> Option<ServiceReport> {
         whole.peak_rss_kib = whole.peak_rss_kib.max(earlier.peak_rss_kib);
         whole.fault_statistics.extend(earlier.fault_statistics);
         for sent in earlier.sent {
-            add_sent(&mut whole.sent, sent);
+            match whole.sent.iter_mut().find(|known| known.topic == sent.topic) {
+                Some(known) => known.sent += sent.sent,
+                None => whole.sent.push(sent),
+            }
         }
         for received in earlier.received {
-            add_received(&mut whole.received, received);
+            match whole.received.iter_mut().find(|known| known.topic == received.topic) {
+                Some(known) => {
+                    known.received += received.received;
+                    known.lost += received.lost;
+                    known.e2e.add(&received.e2e);
+                }
+                None => whole.received.push(received),
+            }
         }
     }
     Some(whole)
-}
-
-fn add_sent(topics: &mut Vec<SentTopic>, earlier: SentTopic) {
-    match topics.iter_mut().find(|sent| sent.topic == earlier.topic) {
-        Some(sent) => sent.sent += earlier.sent,
-        None => topics.push(earlier),
-    }
-}
-
-fn add_received(topics: &mut Vec<ReceivedTopic>, earlier: ReceivedTopic) {
-    match topics.iter_mut().find(|received| received.topic == earlier.topic) {
-        Some(received) => {
-            received.received += earlier.received;
-            received.lost += earlier.lost;
-            received.e2e.add(&earlier.e2e);
-        }
-        None => topics.push(earlier),
-    }
 }
 
 /// Lateness of the releases over all processes of `service`; none if they kept none.
@@ -170,6 +159,7 @@ pub fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, l
 #[cfg(test)]
 mod tests {
     use super::*;
+    use drive::report::{ReceivedTopic, SentTopic};
 
     fn report(cycles: u64, odometry: u64) -> ServiceReport {
         let topic = || "vehicle/odometry".to_owned();

@@ -27,7 +27,6 @@ const ATTEMPTS: usize = 100;
 /// Time for which a root without a lock is left alone: its owner may be about to lock it.
 const GRACE: Duration = Duration::from_secs(60);
 
-/// An error of an action with `path`.
 fn failed(action: &str, path: &Path) -> impl Fn(io::Error) -> MachineError + use<> {
     MachineError::cannot(format!("{action} {}", path.display()))
 }

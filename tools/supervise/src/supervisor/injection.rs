@@ -45,10 +45,10 @@ impl Supervisor<'_> {
                     continue;
                 }
                 Act::Hog(core) => {
-                    disturbance = self.disturb(Disturbance::hog(self.roster.root(), core))
+                    disturbance = self.disturb(Disturbance::hog(self.roster.root, core))
                 }
                 Act::Memory(mib) => {
-                    disturbance = self.disturb(Disturbance::memory(self.roster.root(), mib))
+                    disturbance = self.disturb(Disturbance::memory(self.roster.root, mib))
                 }
             }
             let done_ns = monotonic_ns() - self.start_ns;
@@ -63,7 +63,7 @@ impl Supervisor<'_> {
                     recording.kill();
                 }
             }
-            Helper::Janitor => self.roster.kill_janitor(),
+            Helper::Janitor => self.roster.janitor.kill(),
             // It is this process.
             Helper::Launcher => {
                 let _ = rustix::process::kill_process(rustix::process::getpid(), Signal::KILL);

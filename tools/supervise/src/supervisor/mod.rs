@@ -123,7 +123,7 @@ impl Supervisor<'_> {
         let spawned = Instant::now();
         self.group.write()?;
         self.roster.start_all(self.launch)?;
-        let (root, leader) = (self.roster.root(), self.roster.leader());
+        let (root, leader) = (self.roster.root, self.roster.leader());
         self.recording = (self.launch.recording.as_deref())
             .map(|path| RecorderProcess::spawn(path, root, leader));
         let deadline_ms = self.launch.scenario.controller.deadline().value();
@@ -172,7 +172,7 @@ impl Supervisor<'_> {
         self.faults.log.count_messages(statistics);
         Ok(GroupOutcome {
             carrier: Carrier::SharedMemory,
-            root: self.roster.root().path().to_owned(),
+            root: self.roster.root.path().to_owned(),
             ended,
             reports,
             exits: BTreeMap::new(),

@@ -19,8 +19,8 @@ const CULPRIT_LOOK: Duration = Duration::from_millis(50);
 
 /// The members of a group, and what a new process of them needs.
 pub(super) struct Roster<'a> {
-    root: &'a RunRoot,
-    janitor: Janitor,
+    pub(super) root: &'a RunRoot,
+    pub(super) janitor: Janitor,
     events: Sender<Event>,
     members: Vec<Member>,
 }
@@ -48,7 +48,6 @@ impl<'a> Roster<'a> {
         Ok(())
     }
 
-    /// Starts process `incarnation` of `service`.
     pub(super) fn start_next(&mut self, service: Service, incarnation: u32) -> Result<(), Error> {
         let leader = self.living_group();
         let (root, events) = (self.root, self.events.clone());
@@ -96,7 +95,6 @@ impl<'a> Roster<'a> {
         self.members.iter()
     }
 
-    /// All members, to be changed.
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Member> {
         self.members.iter_mut()
     }
@@ -116,11 +114,6 @@ impl<'a> Roster<'a> {
         if let Some(process) = self.of(who.service).attached(who.incarnation) {
             process.kill(cause);
         }
-    }
-
-    /// Kills the janitor, as a fault does.
-    pub(super) fn kill_janitor(&mut self) {
-        self.janitor.kill();
     }
 
     /// A service that is still to report: its process lives, or the next one is about to.
@@ -165,10 +158,6 @@ impl<'a> Roster<'a> {
             (member.phase() != Phase::GivenUp && member.lives()).then(|| member.group())
         });
         living.unwrap_or(0)
-    }
-
-    pub(super) fn root(&self) -> &'a RunRoot {
-        self.root
     }
 
     /// Ends all processes; returns how each service's last one ended, which had `grace` to leave.

@@ -102,7 +102,12 @@ impl Supervisor<'_> {
                 if stalled_ns > STALLED_NS {
                     self.roster.iter_mut().for_each(|member| member.reset_silence(now_ns));
                 }
-                self.check_heartbeats(log, now_ns);
+                for sign in log.take_signs() {
+                    self.roster.of(sign.service).sign_of_life(&sign, now_ns);
+                }
+                for (service, incarnation, published_ns) in log.take_first_messages() {
+                    self.faults.log.recovered(service, incarnation, published_ns);
+                }
                 self.apply_faults(log, now_ns);
                 if now_ns < length_ns {
                     self.kill_the_hung(now_ns);
@@ -250,15 +255,6 @@ impl Supervisor<'_> {
             course.ended = Ended::Broken { service, how };
             self.roster.order_all(&ToService::Abort);
             course.ending();
-        }
-    }
-
-    fn check_heartbeats(&mut self, log: &mut DriveLog, now_ns: i64) {
-        for sign in log.take_signs() {
-            self.roster.of(sign.service).sign_of_life(&sign, now_ns);
-        }
-        for (service, incarnation, published_ns) in log.take_first_messages() {
-            self.faults.log.recovered(service, incarnation, published_ns);
         }
     }
 
