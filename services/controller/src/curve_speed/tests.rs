@@ -254,7 +254,8 @@ proptest! {
         }
     }
 
-    /// This law follows the set speed 8 s late, so the bound alone keeps the curve. The map shows arcs of two cells.
+    /// This law follows the set speed 8 s late, so the bound alone keeps the curve. The map shows arcs of two
+    /// cells, and blurs where they begin.
     #[test]
     fn a_law_that_follows_late_takes_no_curve_too_fast(
         radius_m in 30.0..500.0_f64, left in proptest::bool::ANY, spiral_m in 30.0..100.0_f64,
@@ -263,7 +264,7 @@ proptest! {
         let curvature_perm = if left { 1.0 / radius_m } else { -1.0 / radius_m };
         let road = Arcs::new(&[(curvature_perm, spiral_m, arc_m, 100.0)]);
         let most = drive(&road, set, 8.0, Knows::Map(0.0));
-        prop_assert!(most.lateral_mps2 <= 1.1 * 2.3, "{} m/s²", most.lateral_mps2);
+        prop_assert!(most.lateral_mps2 <= 2.6, "{} m/s²", most.lateral_mps2);
         prop_assert!(most.braking_mps2 <= HARD_MPS2, "{} m/s²", most.braking_mps2);
     }
 }
