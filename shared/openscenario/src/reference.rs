@@ -49,7 +49,7 @@ pub fn markdown() -> String {
     }
     let unused: Vec<_> =
         rows.0.get(UNUSED).into_iter().flatten().map(|(names, _)| quoted(names)).collect();
-    let _ = writeln!(text, "### {UNUSED}\n\nWhatever stands in them: {}.", unused.join(", "));
+    let _ = writeln!(text, "### {UNUSED}\n\nTheir content is not read: {}.", unused.join(", "));
     text
 }
 
