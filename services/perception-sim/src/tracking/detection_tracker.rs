@@ -13,7 +13,6 @@ use std::ops::Range;
 
 use messages::Detection;
 use scenario::Scenario;
-use scenario::perception::TrackingFilter;
 
 use super::association::{Outline, Point, Reading, associate, part, spans};
 use super::birth;
@@ -21,7 +20,7 @@ use super::course_filter::{MapAhead, Sources};
 use super::course_numbers::CourseNumbers;
 use super::entry::entry;
 use super::list::TrackList;
-use super::longitudinal::{Kind, Maneuver, Measured, Model};
+use super::longitudinal::{Measured, Model};
 use super::lost::Lost;
 use super::mirror;
 use super::numbers::Numbers;
@@ -62,21 +61,6 @@ pub struct DetectionTracker {
     next_id: u32,
 }
 
-/// The longitudinal model of a scenario.
-#[must_use]
-pub fn model_of(scenario: &Scenario, numbers: &Numbers) -> Model {
-    let keys = &scenario.perception.tracker;
-    let quiet = Maneuver {
-        sigma_mps2: keys.lead_acceleration_sigma_mps2.value(),
-        tau_s: keys.maneuver_time_constant_s.value(),
-    };
-    let kind = match keys.filter {
-        TrackingFilter::Singer => Kind::Singer,
-        TrackingFilter::InteractingModels => Kind::Interacting,
-    };
-    Model::new(kind, quiet, keys.gate_sigma.value(), numbers)
-}
-
 impl DetectionTracker {
     /// The tracker of a scenario, with the receiver's accuracy.
     #[must_use]
@@ -91,7 +75,7 @@ impl DetectionTracker {
         let keys = &perception.tracker;
         let radar = &perception.radar.detections;
         Self {
-            model: model_of(scenario, numbers),
+            model: Model::of(scenario, numbers),
             limits: PathLimits::new(&perception.target_selection, false, numbers),
             life: Life {
                 hits: keys.confirm_hits.value().into(),

@@ -25,6 +25,8 @@
 use super::interacting::Bank;
 use super::numbers::Numbers;
 use kalman::Gaussian;
+use scenario::Scenario;
+use scenario::perception::TrackingFilter;
 
 /// Smallest standard deviation of a measurement, in its unit. Numeric guard: with less, rounding would decide.
 pub const LEAST_SIGMA: f64 = 1e-3;
@@ -137,6 +139,21 @@ enum Models {
 }
 
 impl Model {
+    /// The model of a scenario.
+    #[must_use]
+    pub fn of(scenario: &Scenario, numbers: &Numbers) -> Self {
+        let keys = &scenario.perception.tracker;
+        let quiet = Maneuver {
+            sigma_mps2: keys.lead_acceleration_sigma_mps2.value(),
+            tau_s: keys.maneuver_time_constant_s.value(),
+        };
+        let kind = match keys.filter {
+            TrackingFilter::Singer => Kind::Singer,
+            TrackingFilter::InteractingModels => Kind::Interacting,
+        };
+        Self::new(kind, quiet, keys.gate_sigma.value(), numbers)
+    }
+
     /// The model of a quiet lead and a gate in standard deviations.
     #[must_use]
     pub fn new(kind: Kind, quiet: Maneuver, gate: f64, numbers: &Numbers) -> Self {

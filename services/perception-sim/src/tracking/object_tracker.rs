@@ -8,7 +8,6 @@ use scenario::Scenario;
 use super::course::Course;
 use super::course_filter::{MapAhead, Sources};
 use super::course_numbers::CourseNumbers;
-use super::detection_tracker::model_of;
 use super::lateral;
 use super::list::{Track, TrackList};
 use super::longitudinal::{Filter, Measured, Model, Step};
@@ -58,7 +57,7 @@ impl ObjectTracker {
         let perception = &scenario.perception;
         let radar = &perception.radar;
         Self {
-            model: model_of(scenario, &numbers),
+            model: Model::of(scenario, &numbers),
             limits: PathLimits::new(&perception.target_selection, false, &numbers),
             range_sigma_m: radar.range_sigma_m.value(),
             range_rate_sigma_mps: radar.range_rate_sigma_mps.value(),
