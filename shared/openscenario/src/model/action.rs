@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::position::Position;
-use super::timed::{Bounds, Meeting, SignalCycle, SpeedProfile};
+use super::timed::{Bounds, Meeting, SignalCycle, SpeedProfile, SpeedTarget};
 use crate::expression::Value;
 use crate::words::word_enums;
 
@@ -58,21 +58,6 @@ pub enum Action {
         /// The place of the present phase's name among the script's values.
         controller: usize,
         phase: usize,
-    },
-}
-
-/// A target speed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SpeedTarget {
-    Absolute(f64),
-    /// Another entity's speed times a factor, plus an offset.
-    Relative {
-        entity: usize,
-        factor: f64,
-        offset_mps: f64,
-        /// Kept up without end.
-        continuous: bool,
     },
 }
 

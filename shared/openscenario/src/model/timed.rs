@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::action::SpeedTarget;
 use super::position::Position;
 
 /// A row of speeds that an entity reaches one after the other.
@@ -132,4 +131,19 @@ impl SignalCycle {
         let before = self.phases.iter().take(phase);
         before.fold(0, |sum, phase| sum.saturating_add(phase.duration_ns))
     }
+}
+
+/// A target speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpeedTarget {
+    Absolute(f64),
+    /// Another entity's speed times a factor, plus an offset.
+    Relative {
+        entity: usize,
+        factor: f64,
+        offset_mps: f64,
+        /// Kept up without end.
+        continuous: bool,
+    },
 }

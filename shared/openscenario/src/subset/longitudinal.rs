@@ -4,9 +4,8 @@ use super::profile::{DynamicConstraints, SpeedProfileAction};
 use super::reference::EntityName;
 use crate::declare::{AtLeastZero, Node, Number, OneOf, Truth, elements, words};
 use crate::error::ReadError;
-use crate::model::action::{
-    Action, Dimension, Distance, Gap, Shape, Side, SpeedTarget, Transition,
-};
+use crate::model::action::{Action, Dimension, Distance, Gap, Shape, Side, Transition};
+use crate::model::timed::SpeedTarget;
 
 words! {
     /// Ways to follow that do the same.

@@ -10,7 +10,7 @@ scalars! {
         let name = given.text()?;
         let entities = given.node.scene.entities.borrow();
         let names = entities.iter().map(|entity| entity.name.as_str());
-        place_of(&name, names).map_err(|expected| {
+        place_of(&name, names).map_err(|Unknown(expected)| {
             given.wrong(format!("there is no entity `{name}`"), expected)
         })
     };
@@ -45,15 +45,18 @@ scalars! {
         let name = given.raw.text.trim_start_matches('$');
         let values = given.node.scene.values.borrow();
         place_of(name, values.iter().map(|value| value.name.as_str()))
-            .map_err(|expected| given.wrong(format!("`{name}` is not declared"), expected))
+            .map_err(|Unknown(expected)| given.wrong(format!("`{name}` is not declared"), expected))
     };
 }
 
-/// The place of a name among others; or the names that were expected, in words.
+/// A name that is not known: the names that were expected, in words.
+pub(super) struct Unknown(pub String);
+
+/// The place of a name among others.
 pub(super) fn place_of<'a>(
     name: &str,
     mut names: impl Iterator<Item = &'a str> + Clone,
-) -> Result<usize, String> {
+) -> Result<usize, Unknown> {
     let expected = names.clone();
-    names.position(|known| known == name).ok_or_else(|| meant(name, expected))
+    names.position(|known| known == name).ok_or_else(|| Unknown(meant(name, expected)))
 }

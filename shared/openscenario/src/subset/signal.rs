@@ -1,6 +1,6 @@
 //! Traffic signals: their states are values that conditions compare.
 
-use super::reference::place_of;
+use super::reference::{Unknown, place_of};
 use crate::comparison::Rule;
 use crate::declare::{Duration, Node, OneOf, Text, elements, scalars};
 use crate::error::ReadError;
@@ -51,7 +51,7 @@ elements! { "File";
         let begins_ns = match reference.filter(|reference| !reference.is_empty()) {
             None => 0,
             Some(reference) => {
-                let known = controller_named(scene, &reference).map_err(|expected| {
+                let known = controller_named(scene, &reference).map_err(|Unknown(expected)| {
                     let reason = format!("there is no controller `{reference}` before this one");
                     node.wrong("reference", reason, expected)
                 })?;
@@ -85,7 +85,7 @@ scalars! {
     /// The name of a controller of traffic signals.
     ControllerName -> SignalCycle: "a controller", |given| {
         let (name, scene) = (given.text()?, given.node.scene);
-        controller_named(scene, &name).map_err(|names| {
+        controller_named(scene, &name).map_err(|Unknown(names)| {
             let expected = match scene.controllers.borrow().is_empty() {
                 true => "one in the `TrafficSignals` of the road network".to_owned(),
                 false => names,
@@ -122,8 +122,8 @@ fn unseen(node: Node<'_>) {
     );
 }
 
-/// The controller of a name; or the expected names, in words.
-fn controller_named(scene: &Scene, name: &str) -> Result<SignalCycle, String> {
+/// The controller of a name.
+fn controller_named(scene: &Scene, name: &str) -> Result<SignalCycle, Unknown> {
     let controllers = scene.controllers.borrow();
     let place = place_of(name, controllers.iter().map(|(name, _)| name.as_str()))?;
     Ok(controllers[place].1.clone())
@@ -131,8 +131,9 @@ fn controller_named(scene: &Scene, name: &str) -> Result<SignalCycle, String> {
 
 /// The number of a phase of a controller.
 fn phase_of(node: Node<'_>, controller: &SignalCycle, name: &str) -> Result<usize, ReadError> {
-    place_of(name, controller.phases.iter().map(|phase| phase.name.as_str()))
-        .map_err(|expected| node.wrong("phase", format!("there is no phase `{name}`"), expected))
+    place_of(name, controller.phases.iter().map(|phase| phase.name.as_str())).map_err(
+        |Unknown(expected)| node.wrong("phase", format!("there is no phase `{name}`"), expected),
+    )
 }
 
 /// The name of a signal's state among the values of the script.

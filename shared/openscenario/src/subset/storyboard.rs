@@ -8,9 +8,9 @@ use super::reference::EntityName;
 use super::unused::UserDefinedAction;
 use crate::declare::{AtLeastOne, Count, Node, OneOf, Placed, Text, Truth, elements};
 use crate::error::{Place, ReadError};
-use crate::model::action::SpeedTarget;
 use crate::model::condition::Trigger;
 use crate::model::storyboard::{NamedAction, Priority};
+use crate::model::timed::SpeedTarget;
 use crate::model::{InitAction, action, storyboard};
 use crate::parameter::{ParameterDeclarations, Scoped};
 

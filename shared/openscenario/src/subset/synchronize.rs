@@ -4,7 +4,8 @@ use super::longitudinal::{SpeedTargetValueType, relative};
 use super::position::{TargetPosition, TargetPositionMaster};
 use super::reference::EntityName;
 use crate::declare::{AtLeastZero, Number, OneOf, elements, scalars};
-use crate::model::action::{Action, SpeedTarget};
+use crate::model::action::Action;
+use crate::model::timed::SpeedTarget;
 use crate::model::timed::{self, Meeting, Steady};
 
 elements! { "Actions";

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use crate::model::action::{
-    Action, Change, Dimension, OffsetTarget, Shape, SpeedTarget, Trajectory, Transition,
+    Action, Change, Dimension, OffsetTarget, Shape, Trajectory, Transition,
 };
 use crate::model::element::ElementState;
 use crate::model::position::Position;
+use crate::model::timed::SpeedTarget;
 use crate::world::check::fits_its_lane;
 use crate::world::motion::{Course, LateralShape, Pace, Part, Path};
 use crate::world::profile::Profile;

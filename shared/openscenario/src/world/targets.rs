@@ -2,8 +2,9 @@
 
 use road::Pose;
 
-use crate::model::action::{LaneTarget, SpeedTarget};
+use crate::model::action::LaneTarget;
 use crate::model::position::{From, Heading, Offset, Position};
+use crate::model::timed::SpeedTarget;
 use crate::world::World;
 use crate::world::shape::MAX_SPEED_MPS;
 use crate::world::state::Motion;

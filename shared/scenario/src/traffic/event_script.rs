@@ -1,6 +1,6 @@
 //! The events of actors as a storyboard, and what is wrong with them.
 
-use openscenario::model::action::{Action, Dimension, LaneTarget, Shape, SpeedTarget, Transition};
+use openscenario::model::action::{Action, Dimension, LaneTarget, Shape, Transition};
 use openscenario::model::condition::{
     Along, Condition, Edge, EntityTest, Measured, Target, Test, Trigger,
 };
@@ -9,6 +9,7 @@ use openscenario::model::position::{From, Heading, Position};
 use openscenario::model::storyboard::{
     Act, Event, Maneuver, ManeuverGroup, NamedAction, Priority, Story,
 };
+use openscenario::model::timed::SpeedTarget;
 use openscenario::model::{Body, Category, Drive, Entity, InitAction};
 use openscenario::road::Road;
 use openscenario::{Rule, Script};
