@@ -122,7 +122,7 @@ fn what_does_not_fit_is_refused_before_anything_runs() {
         (vec!["--vehicles", "2", "--vary", "runtime.extra_delay_ms=9..1/1"], "after its end"),
         (vec!["--vehicles", "2", "--vary", "runtime.delay_ms=0,1"], "extra_delay_ms"),
         (vec!["--vehicles", "2", "--frequencies", "--set", "set_speed_mps=2"], "below 2 m/s"),
-        (vec!["--vehicles", "2", "--set", KILL], "leave out the fault (--set faults=[])"),
+        (vec!["--vehicles", "2", "--set", KILL], "no such fault (--set faults=[])"),
     ] {
         let output = corner.run(&[&own[..], &arguments].concat());
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output));
