@@ -133,7 +133,7 @@ fn what_does_not_fit_is_refused_before_anything_runs() {
     {
         let output = corner.run(&[command, &["--set", KILL, "--out", "none"]].concat());
         assert_eq!(output.status.code(), Some(2), "{command:?}: {}", text(&output));
-        assert!(text(&output).contains("leave out the fault"), "{}", text(&output));
+        assert!(text(&output).contains("no such fault (--set faults=[])"), "{}", text(&output));
         assert!(!corner.path().join("none").exists(), "{command:?} made a directory");
     }
 }
