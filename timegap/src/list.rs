@@ -177,25 +177,18 @@ pub enum Page {
 }
 
 /// `program` is the whole command line.
-pub fn generate(what: &Generated, program: Command) -> Result<ExitCode, Error> {
-    let text = match what {
-        Generated::Man => man(program),
-        Generated::Reference { page: Page::Messages } => reference::messages_page(),
-        Generated::Reference { page: Page::Scenario } => reference::scenario_page(),
-        Generated::Completions { shell } => completions(*shell, program),
-    };
-    print::out(&text)?;
+pub fn generate(what: &Generated, mut program: Command) -> Result<ExitCode, Error> {
+    let mut text = Vec::new();
+    match what {
+        Generated::Man => {
+            clap_mangen::Man::new(program).render(&mut text).expect("memory takes all");
+        }
+        Generated::Reference { page: Page::Messages } => text = reference::messages_page().into(),
+        Generated::Reference { page: Page::Scenario } => text = reference::scenario_page().into(),
+        Generated::Completions { shell } => {
+            clap_complete::generate(*shell, &mut program, "timegap", &mut text);
+        }
+    }
+    print::out(&String::from_utf8(text).expect("our names are text"))?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn completions(shell: Shell, mut program: Command) -> String {
-    let mut text = Vec::new();
-    clap_complete::generate(shell, &mut program, "timegap", &mut text);
-    String::from_utf8(text).expect("our names are text")
-}
-
-fn man(program: Command) -> String {
-    let mut text = Vec::new();
-    clap_mangen::Man::new(program).render(&mut text).expect("memory takes all");
-    String::from_utf8(text).expect("our names are text")
 }

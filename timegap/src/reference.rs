@@ -280,13 +280,12 @@ fn kind(shape: &Shape) -> String {
         Shape::Tuple(elements, _) => {
             format!("[{}]", elements.iter().map(kind).collect::<Vec<_>>().join(", "))
         }
-        Shape::Table(_) | Shape::Kinds(_) => "table".into(),
+        Shape::Table(_) | Shape::Kinds(_) | Shape::Free => "table".into(),
         Shape::Choice(variants) => {
             let names: Vec<_> =
                 variants.iter().map(|variant| format!("`{}`", variant.name)).collect();
             names.join(", ")
         }
-        Shape::Free => "table".into(),
     }
 }
 

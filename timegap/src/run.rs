@@ -4,7 +4,6 @@ use crate::live::{Live, LiveOptions};
 use clap::Args;
 use controller::law::Formulation;
 use controller::laws;
-use indicatif::{ProgressBar, ProgressStyle};
 use messages::Service;
 use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
 use report::results::ResultOptions;
@@ -90,7 +89,10 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     output.write_input("scenario.toml", scenario.to_toml().as_bytes())?;
 
     let mut live = Live::open(&arguments.live, &scenario, &driver(&scenario, arguments))?;
-    let bar = progress_bar(&scenario, arguments.results.json || arguments.live.watch);
+    let length_s = scenario.duration_s.value();
+    let quiet = arguments.results.json || arguments.live.watch || length_s <= 1.0;
+    let bar = print::bar((length_s * 1e3) as u64, "{msg} {wide_bar} {percent:>3} %", quiet);
+    bar.set_message(scenario.name.as_str().to_owned());
     let (mut drove, mut shown_ms) = (false, 0);
     let mut watch = |moment: &Moment<'_>| {
         drove = true;
@@ -137,7 +139,11 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     if group.ended != Ended::Interrupted {
         delivered?;
     }
-    Ok(exit_code(&group.ended, summary.outcome))
+    Ok(match (&group.ended, summary.outcome) {
+        (Ended::Interrupted, _) => ExitCode::from(130),
+        (_, Outcome::Completed) => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
+    })
 }
 
 /// The driver: the program in the controller's place, the program that the law hosts, or the law.
@@ -165,25 +171,4 @@ fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), UsageErro
         return Ok(());
     };
     Err(UsageError::at("--in-process", why, expected))
-}
-
-/// A bar on a terminal for runs longer than a second; hidden elsewhere.
-fn progress_bar(scenario: &Scenario, quiet: bool) -> ProgressBar {
-    use std::io::IsTerminal;
-    if quiet || !std::io::stderr().is_terminal() || scenario.duration_s.value() <= 1.0 {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %")
-        .expect("the template is valid");
-    let bar = ProgressBar::new((scenario.duration_s.value() * 1e3) as u64).with_style(style);
-    bar.set_message(scenario.name.as_str().to_owned());
-    bar
-}
-
-fn exit_code(ended: &Ended, outcome: Outcome) -> ExitCode {
-    match (ended, outcome) {
-        (Ended::Interrupted, _) => ExitCode::from(130),
-        (_, Outcome::Completed) => ExitCode::SUCCESS,
-        _ => ExitCode::FAILURE,
-    }
 }

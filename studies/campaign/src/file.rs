@@ -154,14 +154,6 @@ impl Campaign {
         self.seeds = seeds;
     }
 
-    /// More requirements of all runs; none of them may be broken, unless the file sets another limit.
-    pub fn judge_by(&mut self, formulas: &[String]) {
-        if !formulas.is_empty() {
-            self.formulas.extend(formulas.iter().cloned());
-            self.require.entry("max_requirements_broken".to_owned()).or_insert(0.0);
-        }
-    }
-
     /// Reads a campaign file as it is.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let error = Error::path("read", path);

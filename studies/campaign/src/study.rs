@@ -45,7 +45,11 @@ fn effective(arguments: &CampaignArguments) -> Result<Campaign, Error> {
     campaign.first_seed = arguments.first.unwrap_or(campaign.first_seed);
     campaign.sample = arguments.sample.or(campaign.sample);
     let DriveOptions { controllers, laws, set, require } = &arguments.drives;
-    campaign.judge_by(require);
+    if !require.is_empty() {
+        campaign.formulas.extend(require.iter().cloned());
+        // None may be broken, unless the file sets another limit.
+        campaign.require.entry("max_requirements_broken".to_owned()).or_insert(0.0);
+    }
     laws.check()?;
     campaign.set.extend(laws.keys().iter().chain(set).cloned());
     if !controllers.is_empty() {

@@ -213,7 +213,6 @@ impl Row {
         Self { inferred: Some(inferred.into()), ..self }
     }
 
-    /// Result of the comparison.
     pub fn verdict(&self) -> Verdict {
         match (self.check, self.ok) {
             (Check::Shown, _) => Verdict::Shown,

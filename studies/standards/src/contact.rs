@@ -64,18 +64,13 @@ pub(crate) fn is_ahead(gap_m: f64) -> bool {
 /// two sides meet exactly at a step, and the reference rounds this sum.
 #[derive(Clone, Debug)]
 pub(crate) struct Travel {
-    start_m: f64,
-    speeds_mps: f64,
+    pub start_m: f64,
+    pub speeds_mps: f64,
 }
 
 impl Travel {
     pub(crate) fn from_m(start_m: f64) -> Travel {
         Travel { start_m, speeds_mps: 0.0 }
-    }
-
-    /// Start of steps that end at 0 and whose speeds sum up to `speeds_mps`.
-    pub(crate) fn ending_at_0(speeds_mps: f64) -> Travel {
-        Travel { start_m: 0.0, speeds_mps: -speeds_mps }
     }
 
     pub(crate) fn step(&mut self, speed_mps: f64) {

@@ -125,8 +125,8 @@ const GAIN_MPS: f64 = 0.15;
 impl LateralMotion {
     fn new(final_mps: f64) -> LateralMotion {
         let rising_steps = (final_mps / GAIN_MPS).ceil() as u32;
-        let rising_mps = (0..rising_steps).map(|step| speed_at_mps(step, final_mps)).sum();
-        let travel = Travel::ending_at_0(rising_mps);
+        let rising_mps: f64 = (0..rising_steps).map(|step| speed_at_mps(step, final_mps)).sum();
+        let travel = Travel { start_m: 0.0, speeds_mps: -rising_mps };
         LateralMotion { final_mps, rising_steps, steps: 0, travel }
     }
 

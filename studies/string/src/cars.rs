@@ -32,7 +32,7 @@ const TRACE_POINTS: usize = 400;
 pub struct CarByCar {
     plan: Plan,
     places: Vec<Place>,
-    cars: Vec<Driven>,
+    pub(crate) cars: Vec<Driven>,
     last: Option<Motion>,
 }
 
@@ -70,10 +70,6 @@ impl CarByCar {
             amplitudes: self.plan.wave.and_then(|wave| wave.amplitudes(drive)),
             trace: if self.plan.wave.is_some() { Vec::new() } else { trace(drive, place) },
         });
-    }
-
-    pub(crate) fn into_cars(self) -> Vec<Driven> {
-        self.cars
     }
 
     /// The results of the cars that were driven, as the command's JSON.

@@ -83,7 +83,7 @@ impl Study for Strings {
             string.drove(&job.scenario, &done.summary, &done.drive);
             crew.step(run);
         }
-        Ok((string.into_cars(), ()))
+        Ok((string.cars, ()))
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {

@@ -7,7 +7,7 @@ use report::table::NONE;
 
 use super::columns;
 use super::limits::Limits;
-use super::results::{Results, cars_in_words};
+use super::results::{Results, Vehicle, cars_in_words};
 use super::wave::Driven;
 
 /// Height of the time-space diagram, px.
@@ -22,7 +22,7 @@ pub fn document(results: &Results, driven: &[Driven]) -> Document {
     let motion = figure(&time_space(driven, until_s)) + &figure(&ribbons(driven, until_s));
     let laws = results.controllers.join(", ");
     let (count, scenario) = (cars_in_words(results.vehicles.len()), &results.scenario);
-    let whole = results.all_completed();
+    let whole = results.vehicles.iter().all(Vehicle::reached_the_end);
     let mut document = Document::new("string", &format!("String of {count}: {scenario}"), results)
         .about(format!("{scenario} ({laws}): {count}, {} s", results.duration_s))
         .verdict(results.string_stable && whole, results.verdict())

@@ -164,11 +164,6 @@ impl Results {
         }
     }
 
-    /// Every car of the string reached the scenario's end.
-    pub fn all_completed(&self) -> bool {
-        self.vehicles.iter().all(Vehicle::reached_the_end)
-    }
-
     pub fn verdict(&self) -> String {
         let mut measured = self.vehicles.iter().filter(|car| car.speed_gain_l2.is_some());
         let is_measured = self.peak.is_some() || measured.next().is_some();

@@ -26,7 +26,6 @@ const MAX_ACCELERATION_MPS2: f64 = 0.5;
 const SETTLE_S: f64 = 60.0;
 /// The same that each car adds, since the start travels along the string, s.
 const SETTLE_EACH_S: f64 = 5.0;
-/// Least time that is measured, s.
 const LEAST_MEASURED_S: f64 = 40.0;
 /// Slowest set speed at which a wave can be driven, m/s.
 const SLOWEST_MPS: f64 = 5.0;

@@ -161,7 +161,10 @@ impl LiveFeed {
             time_s: moment.time_ns as f64 / 1e9,
             duration_s: self.duration_s,
             points,
-            mode: self.mode.map_or_else(String::new, |mode| self.mode_name(mode)),
+            mode: self.mode.map_or_else(String::new, |mode| {
+                let name = self.modes.get(mode as usize);
+                name.map_or_else(|| format!("mode {mode}"), ToString::to_string)
+            }),
             quality: ["full", "relaxed", "backup", "fall-back"][self.quality.min(3) as usize],
             level: self.level.name(),
             answer_us: self.answers.percentiles_us(),
@@ -198,11 +201,6 @@ impl LiveFeed {
         let mut events: Vec<_> = faults.chain(degradations).collect();
         events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
         events.split_off(events.len().saturating_sub(EVENTS))
-    }
-
-    fn mode_name(&self, mode: u32) -> String {
-        let name = self.modes.get(mode as usize);
-        name.map_or_else(|| format!("mode {mode}"), ToString::to_string)
     }
 }
 

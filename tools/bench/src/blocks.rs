@@ -13,14 +13,6 @@ use rand_core::Rng;
 use rand_pcg::Pcg64;
 use supervise::Error;
 
-/// One block of a chain: its software overhead beside its floors, µs.
-struct ChainBlock {
-    /// Median net reaction time.
-    net_us: f64,
-    /// Sum of the floors' medians: two absolute sleeps, the law, a wake-up by futex.
-    floor_us: f64,
-}
-
 impl Bench<'_> {
     /// Makes all comparisons and judges the goals.
     pub fn compare(
@@ -98,18 +90,16 @@ impl Bench<'_> {
             let futex_us = futex.latencies.percentiles_us().map(|p| p.p50);
             done.extend(futex_us.and_then(|us| block(&chain, us)));
         }
-        let pairs: Vec<_> = done.iter().map(|block| (block.net_us, block.floor_us)).collect();
-        self.judge(goals::of_chain(period_us, conditions.placement, &pairs));
+        self.judge(goals::of_chain(period_us, conditions.placement, &done));
         self.judge(goals::of_misses(conditions.placement, ours, floor));
         Ok(())
     }
 }
 
-/// The figures of a block; `None` if one is missing.
-fn block(chain: &Chain, futex_us: f64) -> Option<ChainBlock> {
+/// Median net reaction time of a block, and the sum of its floors' medians, µs: two absolute sleeps, the law, a wake-up by
+/// futex. `None` if one is missing.
+fn block(chain: &Chain, futex_us: f64) -> Option<(f64, f64)> {
     let sleep_us = chain.floor.latencies.percentiles_us()?.p50;
-    Some(ChainBlock {
-        net_us: chain.timing.net_reaction_us?.p50,
-        floor_us: 2.0 * sleep_us + chain.timing.solve_us?.p50 + futex_us,
-    })
+    let floor_us = 2.0 * sleep_us + chain.timing.solve_us?.p50 + futex_us;
+    Some((chain.timing.net_reaction_us?.p50, floor_us))
 }

@@ -93,17 +93,13 @@ pub struct BenchArguments {
 }
 
 fn seconds(argument: &str) -> Result<f64, &'static str> {
-    match argument.parse::<f64>() {
-        Ok(seconds) if (0.05..=3600.0).contains(&seconds) => Ok(seconds),
-        _ => Err("expected a number of seconds from 0.05 to 3600"),
-    }
+    let seconds = argument.parse().ok().filter(|seconds| (0.05..=3600.0).contains(seconds));
+    seconds.ok_or("expected a number of seconds from 0.05 to 3600")
 }
 
 fn factor(argument: &str) -> Result<f64, &'static str> {
-    match argument.parse::<f64>() {
-        Ok(factor) if (1.0..=100.0).contains(&factor) => Ok(factor),
-        _ => Err("expected a number from 1 to 100"),
-    }
+    let factor = argument.parse().ok().filter(|factor| (1.0..=100.0).contains(factor));
+    factor.ok_or("expected a number from 1 to 100")
 }
 
 pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {

@@ -2,7 +2,7 @@
 
 use super::paired::{Comparison, PAIRS, PAIRS_IN_SESSION, UNCOUNTED, WAKES, sessions};
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Load, Mechanism, Placement, Scheduling};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use std::time::Duration;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,16 +162,13 @@ fn conditions(cores: usize) -> impl Iterator<Item = Conditions> {
     })
 }
 
-/// A bar over the estimated time on a terminal; hidden elsewhere.
+/// A bar over the estimated time.
 pub fn progress_bar(whole: Duration, quiet: bool) -> ProgressBar {
-    use std::io::IsTerminal;
-    if quiet || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
+    let bar = report::print::bar(millis(whole), "{msg:44} {wide_bar} {eta} to go", quiet);
+    if !bar.is_hidden() {
+        eprintln!("about {} s", whole.as_secs());
     }
-    eprintln!("about {} s", whole.as_secs());
-    let style = ProgressStyle::with_template("{msg:44} {wide_bar} {eta} to go")
-        .expect("the template is valid");
-    ProgressBar::new(millis(whole)).with_style(style)
+    bar
 }
 
 /// Length in whole milliseconds, as the bar counts.

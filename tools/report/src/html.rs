@@ -33,16 +33,11 @@ pub fn scripts() -> String {
     )
 }
 
-/// The script that draws a drive from above, behind [`scripts`].
-pub fn plane_script() -> String {
-    format!("<script>\n{}</script>\n", include_str!("../assets/plane.js"))
-}
-
 /// The frame of a page. It loads nothing: what it needs is in it.
 fn page(title: &str, body: &str) -> String {
     let mut scripts = if body.contains("<figure ") { scripts() } else { String::new() };
     if body.contains("<figure class=\"card plane\">") {
-        scripts.push_str(&plane_script());
+        scripts += concat!("<script>\n", include_str!("../assets/plane.js"), "</script>\n");
     }
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\

@@ -93,23 +93,29 @@ pub fn p99(p: &Percentiles) -> Option<f64> {
     carries(p.count, 0.99).then_some(p.p99)
 }
 
-/// A bar over `runs` on a terminal; hidden elsewhere.
+/// A bar over a number of runs.
 pub fn count_bar(runs: usize, quiet: bool) -> ProgressBar {
+    bar(runs as u64, "{msg} {wide_bar} {pos}/{len}, {left} to go", quiet)
+}
+
+/// A bar on a terminal; hidden elsewhere.
+pub fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
     use std::io::IsTerminal;
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {left} to go")
-        .expect("the template is valid")
-        .with_key("left", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+    let style = ProgressStyle::with_template(template).expect("the template is valid").with_key(
+        "left",
+        |state: &ProgressState, text: &mut dyn std::fmt::Write| {
             // The remaining time is unknown until the first run has ended.
             let written = match state.pos() {
                 0 => text.write_str("–"),
                 _ => write!(text, "{:#}", HumanDuration(state.eta())),
             };
             written.expect("a line takes all");
-        });
-    ProgressBar::new(runs as u64).with_style(style)
+        },
+    );
+    ProgressBar::new(length).with_style(style)
 }
 
 /// Kind and target of a fault: `kill controller`.

@@ -227,7 +227,12 @@ impl SteppedRun {
         let messages =
             course.reports.values().flat_map(|report| report.fault_statistics.iter().copied());
         faults.log.count_messages(messages);
-        let exits = services.iter().map(|&service| (service, course.exit_of(service))).collect();
+        // The ends that the services' processes would have had.
+        let exits = services.iter().map(|&service| match &course.failed {
+            Some((failed, _)) if *failed == service => (service, Exit::Status(1)),
+            _ => (service, Exit::Ok),
+        });
+        let exits = exits.collect();
         let wrote = course.failed.iter().cloned().collect();
         Ok(GroupOutcome {
             carrier: Carrier::Memory,
@@ -276,14 +281,6 @@ impl Course {
             FromService::Failed(how) => {
                 self.failed.get_or_insert((service, how));
             }
-        }
-    }
-
-    /// End that the service's process would have had.
-    fn exit_of(&self, service: Service) -> Exit {
-        match &self.failed {
-            Some((failed, _)) if *failed == service => Exit::Status(1),
-            _ => Exit::Ok,
         }
     }
 }

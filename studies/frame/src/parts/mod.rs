@@ -18,7 +18,7 @@ mod shard;
 
 pub(crate) use begun::{Begun, SoFar};
 pub(crate) use merge::{Merged, name_incomplete};
-pub(crate) use part::{Part, PartFile};
+pub(crate) use part::{Part, PartFile, resume_command};
 pub use records::Records;
 pub(crate) use shard::holds;
 pub use shard::{Shard, ShardChoice};

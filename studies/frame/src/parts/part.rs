@@ -18,7 +18,8 @@ pub struct Part<T> {
     journal: Journal,
     begun: Begun,
     so_far: BTreeMap<usize, SoFar>,
-    records: Records<T>,
+    /// The records so far.
+    pub records: Records<T>,
 }
 
 impl<T: Serialize + DeserializeOwned> Part<T> {
@@ -39,11 +40,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         let (begun, mut so_far) = Begun::open(place)?;
         so_far.retain(|run, _| !records.has(*run));
         Ok(Self { file, journal, begun, so_far, records })
-    }
-
-    /// The records so far.
-    pub fn records(&self) -> &Records<T> {
-        &self.records
     }
 
     /// The file of runs that have begun, with what those of an earlier command had computed.
@@ -83,17 +79,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     pub(crate) fn keep(&mut self, run: usize, result: T, drives: Vec<Drive>) -> Result<(), Error> {
         let place = self.journal.add(&Line { run, drives, result })?;
         self.records.add(run, place, true)
-    }
-
-    /// Prints the command that continues runs which ended early.
-    pub(crate) fn print_how_to_continue(&self, directory: &OutputDirectory) {
-        let (done, all) = (self.records.len(), self.runs());
-        let command = resume_command(directory.path());
-        eprintln!("{done} of {all} runs are kept; to continue: {command}");
-    }
-
-    pub fn into_records(self) -> Records<T> {
-        self.records
     }
 }
 

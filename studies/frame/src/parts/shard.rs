@@ -103,7 +103,11 @@ impl ShardChoice {
             Self::Given(shard) => return Ok(shard),
             Self::Auto(count) => count.map(NonZeroU32::get),
         };
-        let found = [slurm, kubernetes, aws].into_iter().find_map(|engine| engine(variable));
+        let kubernetes = ["JOB_COMPLETION_INDEX", "JOB_COMPLETIONS"];
+        let aws = ["AWS_BATCH_JOB_ARRAY_INDEX", "AWS_BATCH_JOB_ARRAY_SIZE"];
+        let found = slurm(variable)
+            .or_else(|| indexed(variable, "Kubernetes (JOB_COMPLETION_INDEX)", kubernetes))
+            .or_else(|| indexed(variable, "AWS Batch (AWS_BATCH_JOB_ARRAY_INDEX)", aws));
         let found = found.transpose()?.ok_or_else(|| {
             let why = "this is not an array job: neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX nor \
                        AWS_BATCH_JOB_ARRAY_INDEX is set";
@@ -172,23 +176,18 @@ fn slurm(variable: Variables<'_>) -> Option<Result<Task, UsageError>> {
     Some(bounds())
 }
 
-/// A job with `completionMode: Indexed`; the number of completions is not in its environment unless the
-/// manifest puts it there.
-fn kubernetes(variable: Variables<'_>) -> Option<Result<Task, UsageError>> {
-    let index = number(variable, "JOB_COMPLETION_INDEX")?;
-    let count = number(variable, "JOB_COMPLETIONS").transpose();
+/// Tasks from 0 on, by the variables of the index and of their number. Kubernetes (`completionMode: Indexed`) has the
+/// number only where the manifest puts it.
+fn indexed(
+    variable: Variables<'_>,
+    engine: &'static str,
+    [index, count]: [&'static str; 2],
+) -> Option<Result<Task, UsageError>> {
+    let index = number(variable, index)?;
+    let count = number(variable, count).transpose();
     Some(index.and_then(|index| {
         let count = count?.map(tasks).transpose()?;
-        Ok(Task { engine: "Kubernetes (JOB_COMPLETION_INDEX)", index, count })
-    }))
-}
-
-fn aws(variable: Variables<'_>) -> Option<Result<Task, UsageError>> {
-    let index = number(variable, "AWS_BATCH_JOB_ARRAY_INDEX")?;
-    let count = number(variable, "AWS_BATCH_JOB_ARRAY_SIZE").transpose();
-    Some(index.and_then(|index| {
-        let count = count?.map(tasks).transpose()?;
-        Ok(Task { engine: "AWS Batch (AWS_BATCH_JOB_ARRAY_INDEX)", index, count })
+        Ok(Task { engine, index, count })
     }))
 }
 

@@ -13,7 +13,9 @@ use super::crew::{Crew, Observed};
 use super::verify::Verify;
 use super::{Found, Needs, Recorded, Study};
 use crate::keep::{self, Keeper, Key};
-use crate::parts::{Begun, Merged, Part, PartFile, Shard, ShardChoice, SoFar, name_incomplete};
+use crate::parts::{
+    Begun, Merged, Part, PartFile, Shard, ShardChoice, SoFar, name_incomplete, resume_command,
+};
 use crate::{batch, drives};
 
 pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error> {
@@ -26,7 +28,7 @@ pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error>
         None => OutputDirectory::create(&options.results.output, &study.label())?,
     };
     let mut part = Part::<S::Record>::open(file, &output)?;
-    part.records().each(&mut |run, record| {
+    part.records.each(&mut |run, record| {
         study.recall(run, record);
         Ok(())
     })?;
@@ -42,7 +44,7 @@ pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error>
     bar.finish_and_clear();
     let end = match end {
         // Nothing is left of a study without a result: what the directory held before comes back.
-        Err(error) if part.records().is_empty() && !part.has_begun(&output) => return Err(error),
+        Err(error) if part.records.is_empty() && !part.has_begun(&output) => return Err(error),
         end => end,
     };
     output.keep();
@@ -53,10 +55,14 @@ pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error>
     }
     match end {
         Ok(()) => part.end(&output),
-        Err(_) => part.print_how_to_continue(&output),
+        Err(_) => {
+            let (done, all) = (part.records.len(), part.runs());
+            let command = resume_command(output.path());
+            eprintln!("{done} of {all} runs are kept; to continue: {command}");
+        }
     }
     // Without a run there is nothing to judge.
-    if S::NEEDS != Needs::Any || part.records().is_empty() {
+    if S::NEEDS != Needs::Any || part.records.is_empty() {
         end?;
         return conclude(&study, options, part, seen, &output, Ok(()));
     }
@@ -195,7 +201,7 @@ fn conclude<S: Study>(
     end: Result<(), Error>,
 ) -> Result<ExitCode, Error> {
     let (shard, runs) = (part.shard(), part.runs());
-    let records = part.into_records();
+    let records = part.records;
     if let Some(shard) = shard {
         let (name, directory) = (String::from(shard), output.path().display());
         eprintln!("shard {name}: {runs} runs in {directory}; timegap merge puts all together");

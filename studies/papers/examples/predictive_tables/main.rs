@@ -92,7 +92,7 @@ fn road(text: &str) -> Road {
 
 fn savings(preset: Preset, road: &Road) {
     let comparison = on(preset, road);
-    let litres = comparison.l_per_100_km(comparison.baseline());
+    let litres = comparison.l_per_100_km(&comparison.baseline);
     println!("\n{}: constant speed {litres:.2} L/100 km", preset.name());
     let bound = comparison.bound();
     for (name, trip) in [
@@ -116,7 +116,7 @@ fn print_trip(comparison: &Comparison, name: &str, trip: Option<&Trip>) {
         println!("  {name:<22} no trip of equal time");
         return;
     };
-    let late = 100.0 * (trip.time_s / comparison.baseline().time_s - 1.0);
+    let late = 100.0 * (trip.time_s / comparison.baseline.time_s - 1.0);
     let (low, high) = trip.speed_range_mps;
     println!(
         "  {name:<22} {:+.2} %  time {late:+.3} %, {:.1} to {:.1} km/h, {} shifts, service brakes {:.1} MJ",
@@ -190,13 +190,13 @@ fn families(preset: Preset, seeds: RangeInclusive<u64>) {
 /// Extra losses of brakes, air and driveline against constant speed. They are in percent of the baseline's fuel, at the
 /// price of energy.
 fn losses(comparison: &Comparison, trip: &Trip) -> [f64; 3] {
-    let baseline = comparison.baseline();
+    let baseline = &comparison.baseline;
     let of = |trip: &Trip| {
         let ledger = &trip.ledger;
         [ledger.service_brake_j + ledger.engine_brake_j, ledger.air_j, ledger.driveline_j]
     };
     let (ours, theirs) = (of(trip), of(baseline));
-    let percent_per_j = 100.0 * comparison.energy_gpj() / baseline.fuel_g;
+    let percent_per_j = 100.0 * comparison.energy_gpj / baseline.fuel_g;
     [0, 1, 2].map(|k| percent_per_j * (ours[k] - theirs[k]))
 }
 

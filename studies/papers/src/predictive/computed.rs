@@ -46,7 +46,7 @@ pub fn rows(
     };
     let route = change(comparison.and_then(Comparison::bound));
     let above = driven.zip(route).map(|(driven, route)| driven - route);
-    let litres = comparison.map(|comparison| comparison.l_per_100_km(comparison.baseline()));
+    let litres = comparison.map(|comparison| comparison.l_per_100_km(&comparison.baseline));
     let (calm_mps, restless_mps) = (2.5 / 3.6, 4.0 / 3.6);
     let calm = human(calm_mps);
     let other_mps = runner.driver_spread_mps;

@@ -153,7 +153,6 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<Part, Error> 
     Ok(Part { rows, pictures: Pictures { galleries: vec![gallery], drives: Vec::new() } })
 }
 
-/// Fuel against a baseline, percent.
 fn against_percent(preset: Preset, trip: &Trip, baseline: &Trip) -> f64 {
     100.0 * (litres(preset, trip) / litres(preset, baseline) - 1.0)
 }

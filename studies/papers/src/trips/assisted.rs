@@ -35,16 +35,6 @@ impl Assisted {
         let planner = law.planner();
         Self { law, planner, map, set_speed_mps, answer: None, output: Output::default() }
     }
-
-    fn take_plan(&mut self) {
-        if let Some((plan, cycles)) = &mut self.answer {
-            *cycles -= 1;
-            if *cycles == 0 {
-                self.law.accept(plan);
-                self.answer = None;
-            }
-        }
-    }
 }
 
 impl Driver for Assisted {
@@ -72,7 +62,13 @@ impl Driver for Assisted {
             speed_limit_mps: f64::INFINITY,
             ..Input::default()
         };
-        self.take_plan();
+        if let Some((plan, cycles)) = &mut self.answer {
+            *cycles -= 1;
+            if *cycles == 0 {
+                self.law.accept(plan);
+                self.answer = None;
+            }
+        }
         self.law.step(&input, &mut self.output);
         if self.answer.is_none()
             && let Some(request) = self.law.request()

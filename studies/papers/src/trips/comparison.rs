@@ -19,8 +19,10 @@ pub struct Comparison {
     truck: Truck,
     road: Road,
     set_speed_mps: f64,
-    energy_gpj: f64,
-    baseline: Trip,
+    /// Price of energy, g/J.
+    pub energy_gpj: f64,
+    /// The trip at constant speed.
+    pub baseline: Trip,
 }
 
 impl Comparison {
@@ -34,16 +36,6 @@ impl Comparison {
             energy_gpj: Prices::new(truck, set_speed_mps).energy_gpj,
             baseline: drive(truck, road, set_speed_mps, &mut cruise)?,
         })
-    }
-
-    /// The trip at constant speed.
-    pub fn baseline(&self) -> &Trip {
-        &self.baseline
-    }
-
-    /// Price of energy, g/J.
-    pub fn energy_gpj(&self) -> f64 {
-        self.energy_gpj
     }
 
     /// Fuel of a trip at equal kinetic energy at both ends, L/100 km.

@@ -13,7 +13,7 @@ fn on(preset: Preset, road: &papers::trips::Road) -> Comparison {
 #[track_caller]
 fn change(comparison: &Comparison, trip: Option<Trip>) -> f64 {
     let trip = trip.expect("a trip of equal time");
-    assert!((trip.time_s / comparison.baseline().time_s - 1.0).abs() <= EQUAL_TIME);
+    assert!((trip.time_s / comparison.baseline.time_s - 1.0).abs() <= EQUAL_TIME);
     comparison.change_percent(&trip)
 }
 
@@ -29,7 +29,7 @@ fn the_table_of_the_page_at_25_t() {
 
 fn is_in_the_table(preset: Preset, litres: f64, n2: f64, dp: f64, bound: f64) {
     let comparison = on(preset, &given());
-    let found = comparison.l_per_100_km(comparison.baseline());
+    let found = comparison.l_per_100_km(&comparison.baseline);
     assert!((found / litres - 1.0).abs() < 0.01, "{}: {found} L/100 km", preset.name());
     let found_bound = change(&comparison, comparison.bound());
     assert!((found_bound - bound).abs() < 0.3, "{}: bound {found_bound}", preset.name());

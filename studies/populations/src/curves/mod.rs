@@ -108,8 +108,35 @@ impl Population for Curves {
         }
     }
 
+    /// The first five also have a row for each part of a curve.
     fn figures() -> Vec<Figure<Facts>> {
-        figures()
+        figures! {
+            number("km", "way", "km", 1, "Way on the random roads") => |all| json!(sums(all).km);
+            share("lead_lost.share", "lead lost", LOST) => |all| part(sums(all).lost_s, sums(all).lead_s);
+            number("lead_lost.per_km", "lost per km", "", 3, LOST_PER_KM).less() =>
+                |all| part(sums(all).losses as f64, sums(all).km);
+            share("neighbour_taken.share", "neighbour taken", TAKEN) => |all| part(sums(all).taken_s, sums(all).time_s);
+            number("neighbour_taken.per_km", "taken per km", "", 3, TAKEN_PER_KM).less() =>
+                |all| part(sums(all).takings as f64, sums(all).km);
+            share("nothing_taken_share", "nothing taken", NOTHING).weight(1) =>
+                |all| part(sums(all).nothing_s, sums(all).time_s);
+            count("phantom_interventions", "phantom brakings", PHANTOMS).less() =>
+                |all| json!(all.all.iter().map(|drive| phantoms(drive)).sum::<u64>());
+            count("beside", "", "Drives beside a queue").hidden() => |all| json!(all.count(|drive| drive.is(BESIDE)));
+            share("braked_share", "braked beside", BRAKED) =>
+                |all| json!(all.share(|drive| drive.facts.is_braked(), |drive| drive.is(BESIDE)));
+            count("in_lane", "", "Drives with a queue in the lane").hidden() =>
+                |all| json!(all.count(|drive| drive.is(IN_LANE)));
+            count("collisions", "collisions", "Collisions of all scenes").less() =>
+                |all| json!(all.count(|drive| drive.outcome == Outcome::Collision));
+            count("avoidable_collisions", "avoidable", "Collisions that 6 m/s² from sight avoids").less() =>
+                |all| json!(all.count(is_avoidable));
+            count("seen_late", "seen late", LATE).less() => |all| json!(all.count(is_seen_late));
+            number("seen_after_p99_s", "seen after, p99", "s", 2, SEEN).less().weight(1) =>
+                |all| json!(all.quantile(0.99, |drive| drive.is(IN_LANE).then(|| seen_after_s(drive))));
+            number("largest_lateral_mps2", "lateral", "m/s²", 2, "Largest lateral acceleration").weight(2) =>
+                |all| json!(all.most(|drive| Some(drive.facts.largest_lateral_mps2)));
+        }
     }
 
     fn groups() -> Vec<Group<Facts>> {
@@ -121,7 +148,7 @@ impl Population for Curves {
                 title: "Sources of the course",
                 labels: vec![sources.clone()],
                 rows_of: |drive| vec![vec![drive.planned.keys[1].clone()]],
-                figures: figures(),
+                figures: Self::figures(),
             },
             Group {
                 name: "places",
@@ -131,7 +158,7 @@ impl Population for Curves {
                     let places = Place::ALL.iter().filter(|_| drive.is(ROAD));
                     places.map(|place| vec![name(*place), drive.planned.keys[1].clone()]).collect()
                 },
-                figures: figures().into_iter().take(5).collect(),
+                figures: Self::figures().into_iter().take(5).collect(),
             },
         ]
     }
@@ -196,37 +223,6 @@ const LATE: &str =
 const SEEN: &str =
     "Time from sight to the target that 99 % of the queues kept; null where more never became one";
 
-/// The figures; the first five also have a row for each part of a curve.
-fn figures() -> Vec<Figure<Facts>> {
-    figures! {
-        number("km", "way", "km", 1, "Way on the random roads") => |all| json!(sums(all).km);
-        share("lead_lost.share", "lead lost", LOST) => |all| part(sums(all).lost_s, sums(all).lead_s);
-        number("lead_lost.per_km", "lost per km", "", 3, LOST_PER_KM).less() =>
-            |all| part(sums(all).losses as f64, sums(all).km);
-        share("neighbour_taken.share", "neighbour taken", TAKEN) => |all| part(sums(all).taken_s, sums(all).time_s);
-        number("neighbour_taken.per_km", "taken per km", "", 3, TAKEN_PER_KM).less() =>
-            |all| part(sums(all).takings as f64, sums(all).km);
-        share("nothing_taken_share", "nothing taken", NOTHING).weight(1) =>
-            |all| part(sums(all).nothing_s, sums(all).time_s);
-        count("phantom_interventions", "phantom brakings", PHANTOMS).less() =>
-            |all| json!(all.all.iter().map(|drive| phantoms(drive)).sum::<u64>());
-        count("beside", "", "Drives beside a queue").hidden() => |all| json!(all.count(|drive| drive.is(BESIDE)));
-        share("braked_share", "braked beside", BRAKED) =>
-            |all| json!(all.share(|drive| drive.facts.is_braked(), |drive| drive.is(BESIDE)));
-        count("in_lane", "", "Drives with a queue in the lane").hidden() =>
-            |all| json!(all.count(|drive| drive.is(IN_LANE)));
-        count("collisions", "collisions", "Collisions of all scenes").less() =>
-            |all| json!(all.count(|drive| drive.outcome == Outcome::Collision));
-        count("avoidable_collisions", "avoidable", "Collisions that 6 m/s² from sight avoids").less() =>
-            |all| json!(all.count(is_avoidable));
-        count("seen_late", "seen late", LATE).less() => |all| json!(all.count(is_seen_late));
-        number("seen_after_p99_s", "seen after, p99", "s", 2, SEEN).less().weight(1) =>
-            |all| json!(all.quantile(0.99, |drive| drive.is(IN_LANE).then(|| seen_after_s(drive))));
-        number("largest_lateral_mps2", "lateral", "m/s²", 2, "Largest lateral acceleration").weight(2) =>
-            |all| json!(all.most(|drive| Some(drive.facts.largest_lateral_mps2)));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::judge::Sight;
@@ -249,7 +245,7 @@ mod tests {
     fn figures_of(drives: &[Drive<Facts>]) -> Value {
         let all = Drives { labels: Vec::new(), all: drives.iter().collect() };
         let mut found = serde_json::Map::new();
-        crate::figures::values(&figures(), &all, &mut found);
+        crate::figures::values(&Curves::figures(), &all, &mut found);
         Value::Object(found)
     }
 

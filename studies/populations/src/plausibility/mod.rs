@@ -148,17 +148,11 @@ impl Population for Plausibility {
             None => options.parse("scene", &drives::text(*number)),
             Some(sender) => {
                 let at_s = sender.begins_s(*number);
-                let set = [format!("duration_s={:.2}", at_s + 12.0), sender.fault(at_s)];
-                let DriveOptions { laws, set: also, require, .. } = options.clone();
+                let own = [format!("duration_s={:.2}", at_s + 12.0), sender.fault(at_s)];
+                let DriveOptions { laws, set, require, .. } = options.clone();
                 let seed = Some(number.to_string());
-                let options = ScenarioOptions {
-                    seed,
-                    laws,
-                    set: also,
-                    require,
-                    ..ScenarioOptions::default()
-                };
-                supervise::open_with(sender.scenario, &options, "set", &set)
+                let options = ScenarioOptions { seed, laws, set, require, ..Default::default() };
+                supervise::open_with(sender.scenario, &options, "set", &own)
             }
         };
         let own = DriveOptions { laws: supervise::LawOptions::default(), ..options.clone() };

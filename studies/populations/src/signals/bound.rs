@@ -105,7 +105,11 @@ impl Reached {
     fn step(&self, grid: &Grid, corridor: &Corridor, time_s: f64) -> (Self, Option<usize>) {
         let mut next = Self::new(grid);
         let closed: Vec<(usize, &Signal)> = (corridor.signals.iter())
-            .filter(|signal| !is_open_all_along(signal, time_s, corridor.limit_mps))
+            .filter(|signal| {
+                // A phase is longer than a step.
+                signal.phase_at(time_s) != 0
+                    || !is_legal(signal, time_s + STEP_S, corridor.limit_mps)
+            })
             .map(|signal| (grid.place(signal.line_m), signal))
             .collect();
         for (v, row) in self.rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
@@ -142,11 +146,6 @@ fn is_legal(signal: &Signal, time_s: f64, speed_mps: f64) -> bool {
     let into_s = (time_s + signal.offset_s) % (green_s + yellow_s + red_s);
     let usable_s = (REACTION_S + speed_mps / TWICE_YELLOW_MPS2).min(yellow_s);
     into_s < green_s + usable_s
-}
-
-/// True if the line may be crossed in the whole step from `time_s` on. A phase is longer than a step.
-fn is_open_all_along(signal: &Signal, time_s: f64, speed_mps: f64) -> bool {
-    signal.phase_at(time_s) == 0 && is_legal(signal, time_s + STEP_S, speed_mps)
 }
 
 /// A row of places.

@@ -147,7 +147,6 @@ impl Domain {
         }
     }
 
-    /// The value of the domain that is nearest to `value`.
     pub fn nearest(&self, value: &Value) -> Value {
         match (self, value) {
             (Self::Range { from, to, .. }, Value::Number(number)) => {

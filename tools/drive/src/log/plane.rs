@@ -259,7 +259,6 @@ impl PlaneLog {
 }
 
 impl Selected {
-    /// Its place, seen from the ego.
     fn from(self, ego: &EgoPlace) -> TargetPlace {
         let (sine, cosine) = libm::sincos(ego.heading_rad + self.azimuth_rad);
         TargetPlace {

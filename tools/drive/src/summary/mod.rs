@@ -189,7 +189,10 @@ impl Summary {
     pub fn new(scenario: &Scenario, mode: Mode, group: &GroupOutcome, wall: Duration) -> Self {
         let report = |service| group.reports.get(&service);
         let plant = report(Service::Plant).and_then(plant_details);
-        let controller = report(Service::Controller).and_then(controller_details);
+        let controller = report(Service::Controller).and_then(|report| match &report.details {
+            Details::Controller(controller) => Some(&**controller),
+            _ => None,
+        });
         let deadline_misses = controller
             .filter(|_| mode == Mode::Realtime)
             .map(|controller| controller.deadline_misses);
@@ -206,7 +209,10 @@ impl Summary {
         let evidence = Evidence { scenario, drive: &group.drive, impact_speed_mps };
         let requirements = judge(&evidence);
         let all_met = requirements.iter().all(|verdict| verdict.met);
-        let perception = report(Service::PerceptionSim).and_then(perception_details);
+        let perception = report(Service::PerceptionSim).and_then(|report| match &report.details {
+            Details::Perception(perception) => Some((**perception).clone()),
+            _ => None,
+        });
         let outcome = match outcome {
             Outcome::Completed if !has_begun(scenario, perception.as_ref()) => Outcome::NoStory,
             Outcome::Completed if !all_met => Outcome::RequirementBroken,
@@ -377,20 +383,6 @@ pub fn histograms(group: &GroupOutcome) -> Vec<(String, Latencies)> {
 fn plant_details(report: &ServiceReport) -> Option<&PlantReport> {
     match &report.details {
         Details::Plant(plant) => Some(plant),
-        _ => None,
-    }
-}
-
-fn perception_details(report: &ServiceReport) -> Option<PerceptionReport> {
-    match &report.details {
-        Details::Perception(perception) => Some((**perception).clone()),
-        _ => None,
-    }
-}
-
-fn controller_details(report: &ServiceReport) -> Option<&ControllerReport> {
-    match &report.details {
-        Details::Controller(controller) => Some(controller),
         _ => None,
     }
 }

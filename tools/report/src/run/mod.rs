@@ -1,7 +1,6 @@
 //! The result of one run: verdict, figures at a glance, facts, charts, the machine's part.
 
 mod facts;
-mod machine;
 mod times;
 
 use serde_json::json;
@@ -52,8 +51,8 @@ pub fn document(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> Doc
         .table(times::table(summary));
     let document = times::pictures(document, summary, run);
     document
-        .table(machine::messages(summary))
-        .table(machine::services(summary))
+        .table(times::messages(summary))
+        .table(times::services(summary))
         .figures("Repeat this run", repeat(scenario, summary))
 }
 

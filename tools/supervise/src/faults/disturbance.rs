@@ -34,6 +34,7 @@ impl Disturbance {
 /// Such a process itself: `core` or `mib`, and how many. It ends with its standard input.
 pub fn run(what: &str, number: usize) -> ExitCode {
     become_ordinary();
+    let mut memory = Vec::new();
     if what == "core" {
         if let Err(reason) = pin_to(number) {
             eprintln!("core {number}: {reason}");
@@ -44,19 +45,11 @@ pub fn run(what: &str, number: usize) -> ExitCode {
                 state = black_box(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
             }
         });
-        wait_for_the_end();
     } else {
-        let mut memory = vec![0_u8; number << 20];
-        for page in memory.chunks_mut(4096) {
-            page[0] = 1;
-        }
+        memory.resize(number << 20, 1_u8);
         black_box(&mut memory);
-        wait_for_the_end();
     }
-    ExitCode::SUCCESS
-}
-
-fn wait_for_the_end() {
     // Content does not matter: it is not meant for us, and only the end counts.
     let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+    ExitCode::SUCCESS
 }

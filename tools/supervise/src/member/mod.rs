@@ -128,7 +128,6 @@ impl Member {
         lost.map(|mut one| one.process.end(Duration::ZERO)).is_some()
     }
 
-    /// Consequences of an event at `now_ns`.
     pub fn on(&mut self, event: Event, now_ns: i64) -> Vec<Step> {
         let mut steps = Vec::new();
         self.succession.on(event, now_ns, &mut steps);

@@ -38,7 +38,16 @@ impl Supervisor<'_> {
                     while_starting = living[&service].starting_since_ns.is_some();
                     self.roster.of(service).process().kill();
                 }
-                Act::KillHelper(helper) => self.kill_helper(helper),
+                Act::KillHelper(Helper::Recorder) => {
+                    if let Some(recording) = &mut self.recording {
+                        recording.kill();
+                    }
+                }
+                Act::KillHelper(Helper::Janitor) => self.roster.janitor.kill(),
+                // It is this process.
+                Act::KillHelper(Helper::Launcher) => {
+                    let _ = rustix::process::kill_process(rustix::process::getpid(), Signal::KILL);
+                }
                 Act::Stop(service) => self.roster.of(service).process().stop(),
                 Act::Continue(service) => {
                     self.roster.of(service).process().resume();
@@ -53,21 +62,6 @@ impl Supervisor<'_> {
             }
             let done_ns = monotonic_ns() - self.start_ns;
             self.faults.done(index, done_ns, disturbance, while_starting);
-        }
-    }
-
-    fn kill_helper(&mut self, helper: Helper) {
-        match helper {
-            Helper::Recorder => {
-                if let Some(recording) = &mut self.recording {
-                    recording.kill();
-                }
-            }
-            Helper::Janitor => self.roster.janitor.kill(),
-            // It is this process.
-            Helper::Launcher => {
-                let _ = rustix::process::kill_process(rustix::process::getpid(), Signal::KILL);
-            }
         }
     }
 

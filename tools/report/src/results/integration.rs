@@ -1,10 +1,13 @@
-//! A result as JUnit XML. Every row with a verdict is a test case, and the verdict over all is one.
+//! A result for a continuous integration job: as JUnit XML, and as Markdown for its summary. In JUnit XML every row with a
+//! verdict is a test case, and the verdict over all is one.
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use super::document::{Document, Part};
 use super::head::{Format, Head};
 use super::table::Table;
+
+const MOST_ROWS: usize = 200;
 
 impl Document {
     pub fn junit(&self) -> String {
@@ -21,6 +24,33 @@ impl Document {
             }
         }
         report.to_string().expect("memory takes all")
+    }
+    pub fn markdown(&self) -> String {
+        let mark = if self.ok { "✅" } else { "❌" };
+        let mut text = format!("## {}\n\n{mark} {}\n", escape(&self.title), escape(&self.verdict));
+        if !self.about.is_empty() {
+            text += &format!("\n{}\n", escape(&self.about));
+        }
+        if !self.broken.is_empty() {
+            text.push('\n');
+        }
+        for broken in self.broken.iter().take(MOST_ROWS) {
+            text += &format!("- {}\n", escape(&broken.line()));
+        }
+        for part in &self.parts {
+            match part {
+                Part::Table(table) if table.is_on_pages() => text += &self::table(table),
+                Part::Facts(heading, facts) => {
+                    text += &format!("\n### {}\n\n| | |\n| --- | --- |\n", escape(heading));
+                    for (name, value) in facts {
+                        text += &format!("| {} | {} |\n", escape(name), escape(value));
+                    }
+                }
+                Part::Text(words) => text += &format!("\n{}\n", escape(words)),
+                _ => {}
+            }
+        }
+        text
     }
 }
 
@@ -54,6 +84,55 @@ fn rows(table: &Table) -> TestSuite {
         suite.add_test_case(case(&name, &words.join("\n"), table.is_good(row)));
     }
     suite
+}
+
+fn table(table: &Table) -> String {
+    let mut text = format!("\n### {}\n", escape(&table.heading));
+    for (name, rows) in table.row_blocks() {
+        if !name.is_empty() {
+            text += &format!("\n#### {}\n", escape(&name));
+        }
+        let shown = table.shown(&rows);
+        let titles: Vec<_> =
+            shown.iter().map(|&place| escape(&table.columns[place].title())).collect();
+        let rules: Vec<_> = shown
+            .iter()
+            .map(|&place| if table.columns[place].is_number() { "---:" } else { "---" })
+            .collect();
+        text += &format!("\n| {} |\n| {} |\n", titles.join(" | "), rules.join(" | "));
+        let best: Vec<_> = shown.iter().map(|&place| table.best(place, &rows)).collect();
+        for row in rows.clone().take(MOST_ROWS) {
+            let cells = shown.iter().zip(&best).map(|(&place, best)| {
+                let (head, value) = (&table.columns[place], &table.rows[row][place]);
+                let cell = escape(&head.text(value));
+                match (head.judgement(value), best) {
+                    (Some(false), _) => format!("❌ {cell}"),
+                    (_, Some(best)) if *best == head.text(value) && table.is_good(row) => {
+                        format!("**{cell}**")
+                    }
+                    _ => cell,
+                }
+            });
+            text += &format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "));
+        }
+        if rows.len() > MOST_ROWS {
+            text += &format!("\n{} more rows.\n", rows.len() - MOST_ROWS);
+        }
+    }
+    text
+}
+
+/// Text that Markdown does not read.
+fn escape(text: &str) -> String {
+    let mut escaped = String::new();
+    for letter in text.chars() {
+        match letter {
+            '|' | '*' | '_' | '`' | '<' | '[' | '\\' | '#' => escaped.extend(['\\', letter]),
+            '\n' => escaped.push(' '),
+            letter => escaped.push(letter),
+        }
+    }
+    escaped
 }
 
 #[cfg(test)]
