@@ -55,8 +55,7 @@ pub(super) struct Unknown(pub String);
 /// The place of a name among others.
 pub(super) fn place_of<'a>(
     name: &str,
-    mut names: impl Iterator<Item = &'a str> + Clone,
+    names: impl Iterator<Item = &'a str> + Clone,
 ) -> Result<usize, Unknown> {
-    let expected = names.clone();
-    names.position(|known| known == name).ok_or_else(|| Unknown(meant(name, expected)))
+    names.clone().position(|known| known == name).ok_or_else(|| Unknown(meant(name, names)))
 }

@@ -51,11 +51,11 @@ elements! { "File";
         let begins_ns = match reference.filter(|reference| !reference.is_empty()) {
             None => 0,
             Some(reference) => {
-                let known = controller_named(scene, &reference).map_err(|Unknown(expected)| {
+                let unknown = |Unknown(expected)| {
                     let reason = format!("there is no controller `{reference}` before this one");
                     node.wrong("reference", reason, expected)
-                })?;
-                known.begins_ns
+                };
+                controller_named(scene, &reference).map_err(unknown)?.begins_ns
             }
         };
         let begins_ns = begins_ns.saturating_add_unsigned(delay_ns.unwrap_or(0));

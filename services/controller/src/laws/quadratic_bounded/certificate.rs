@@ -16,10 +16,40 @@
 //! The blend of the rules is covered too. B, C and D are common, so z+ is the same blend of the rules' results, and V
 //! is convex. Within the ellipsoid |c z| <= sqrt(c P^-1 c'), which bounds every index.
 
-use super::design::{Content, RuleContent};
 use super::error::{Condition, Failure};
 use super::model::{DISTURBANCES, Parameters, RULES, STATES, State, StateMatrix};
 use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
+
+/// Numbers of a design, before verification.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Content {
+    /// Purpose of the design.
+    pub parameters: Parameters,
+    /// Rate of contraction.
+    pub alpha: f64,
+    /// Multipliers of the disturbances, a.
+    pub multipliers: [f64; DISTURBANCES],
+    /// P of the ellipsoid.
+    pub p: [[f64; 2 * STATES]; 2 * STATES],
+    /// Gains of the two rules.
+    pub rules: [RuleContent; RULES],
+}
+
+/// Gains of one rule, by rows.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RuleContent {
+    /// Ac.
+    pub ac: [[f64; STATES]; STATES],
+    /// L.
+    pub l: [[f64; STATES]; STATES],
+    /// Fx.
+    pub fx: [f64; STATES],
+    /// Fy.
+    pub fy: [f64; STATES],
+}
 
 /// States of model and controller together.
 pub(super) const CLOSED: usize = 2 * STATES;

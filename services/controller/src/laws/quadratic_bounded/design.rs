@@ -1,48 +1,13 @@
 //! A design as a data file, and its verification on loading.
 
-use super::certificate::{self, ClosedMatrix, ClosedState, Gains, Verified};
-use super::error::DesignError;
-use super::model::{DISTURBANCES, Parameters, RULES, STATES, StateMatrix};
+use super::certificate::{self, ClosedMatrix, ClosedState, Content, Gains, Verified};
+use super::error::{DesignError, FORMAT, LARGEST};
+use super::model::{Parameters, RULES, StateMatrix};
 use serde::{Deserialize, Serialize};
 
 /// The design that comes with the law.
 const SHIPPED: &str =
     include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/quadratic-bounded.json"));
-
-/// Largest accepted file, bytes; a design needs about 8000.
-pub(super) const LARGEST: usize = 64 * 1024;
-/// Claims of the file.
-pub(super) const FORMAT: &str = "timegap quadratic-bounded design 1";
-
-/// Numbers of a design, before verification.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Content {
-    /// Purpose of the design.
-    pub parameters: Parameters,
-    /// Rate of contraction.
-    pub alpha: f64,
-    /// Multipliers of the disturbances, a.
-    pub multipliers: [f64; DISTURBANCES],
-    /// P of the ellipsoid.
-    pub p: [[f64; 2 * STATES]; 2 * STATES],
-    /// Gains of the two rules.
-    pub rules: [RuleContent; RULES],
-}
-
-/// Gains of one rule, by rows.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct RuleContent {
-    /// Ac.
-    pub ac: [[f64; STATES]; STATES],
-    /// L.
-    pub l: [[f64; STATES]; STATES],
-    /// Fx.
-    pub fx: [f64; STATES],
-    /// Fy.
-    pub fy: [f64; STATES],
-}
 
 /// The file: content and digest.
 #[derive(Deserialize, Serialize)]

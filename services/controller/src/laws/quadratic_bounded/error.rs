@@ -1,8 +1,12 @@
 //! Why a file is not a design.
 
-use super::design::{FORMAT, LARGEST};
 use crate::settings::SettingError;
 use thiserror::Error;
+
+/// Largest accepted file, bytes; a design needs about 8000.
+pub(super) const LARGEST: usize = 64 * 1024;
+/// Claims of the file.
+pub(super) const FORMAT: &str = "timegap quadratic-bounded design 1";
 
 /// The conditions of a certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -83,8 +83,8 @@ mod model;
 mod printed;
 mod settings;
 
-pub use certificate::{ClosedMatrix, ClosedState, Gains, closed_loop};
-pub use design::{Content, Design, RuleContent};
+pub use certificate::{ClosedMatrix, ClosedState, Content, Gains, RuleContent, closed_loop};
+pub use design::Design;
 pub use error::{Condition, DesignError, Failure};
 pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};

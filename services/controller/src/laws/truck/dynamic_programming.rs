@@ -10,7 +10,7 @@
 
 use super::bounds::SpeedBand;
 use super::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Stage, Values};
-use super::planners::Prices;
+use super::prices::Prices;
 use super::settings::{Keys, Settings};
 use crate::law::{MAX_SEGMENTS, Plan, PlanRequest, Planner, Preview};
 use truck_model::Truck;

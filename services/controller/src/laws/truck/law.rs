@@ -12,8 +12,8 @@
 //! takes them away.
 
 use super::bounds::{believable, guarded_nm, max_speed_mps, permitted, powertrain};
+use super::create;
 use super::following::{self, JERKS_MPS3, LastResort, Means, Mode, Spacing};
-use super::planners::create;
 use super::settings::{Keys, PlannerKind, REQUESTS_MPS2, Settings};
 use super::target_filter::{Estimate, TargetFilter};
 use super::time_price::{Reference, Speeds, TimePrice};

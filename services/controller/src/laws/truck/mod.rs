@@ -32,7 +32,7 @@ mod following;
 mod gear_curve;
 mod law;
 mod paper_n2;
-mod planners;
+mod prices;
 mod road_classes;
 mod settings;
 mod target_filter;
@@ -45,7 +45,7 @@ pub use dynamic_programming::DynamicProgramming;
 pub use following::Spacing;
 pub use law::Predictive;
 pub use paper_n2::PaperN2;
-pub use planners::{Prices, create};
+pub use prices::Prices;
 pub use road_classes::{LimitGrades, Reconstruction};
 pub use settings::{
     BoundKeys, Brakes, FilterKeys, FollowKeys, GapKeys, Keys, PlanKeys, PlannerKind, RoadKeys,
@@ -54,7 +54,9 @@ pub use settings::{
 pub use time_price::{Reference, Speeds};
 pub use torque::{SpeedKeeper, limited};
 
-use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader};
+use crate::law::{
+    Descriptor, Figure, Formulation, GapPolicy, Law, Plan, PlanRequest, Planner, Reader,
+};
 use crate::settings::Table;
 use scenario::Problem;
 use truck_model::{Preset, Truck};
@@ -125,4 +127,23 @@ fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     };
     reader.without(TABLE.name, keys.planner.unused());
     Ok(Box::new(Predictive::new(&Settings::of_keys(&Truck::preset(preset), &keys))))
+}
+
+/// The planner of the settings; one that never has a plan for constant speed.
+#[must_use]
+pub fn create(settings: &Settings) -> Box<dyn Planner> {
+    match settings.keys.planner {
+        PlannerKind::DynamicProgramming => Box::new(DynamicProgramming::new(settings)),
+        PlannerKind::PaperN2 => Box::new(PaperN2::new(settings)),
+        PlannerKind::ConstantSpeed => Box::new(NoPlan),
+    }
+}
+
+struct NoPlan;
+
+impl Planner for NoPlan {
+    fn plan(&mut self, request: &PlanRequest, plan: &mut Plan) -> bool {
+        plan.begin(request);
+        false
+    }
 }

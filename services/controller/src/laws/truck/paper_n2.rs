@@ -9,7 +9,7 @@
 //! (4), time over it Simpson's rule.
 
 use super::bounds::SpeedBand;
-use super::planners::Prices;
+use super::prices::Prices;
 use super::road_classes::{Class, LimitGrades, MOST_SEGMENTS, Reconstruction, Stretch};
 use super::settings::{Keys, Settings};
 use super::torque::{torque_bounds_nm, torque_limits_nm};
