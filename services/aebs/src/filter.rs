@@ -254,10 +254,11 @@ impl Lateral {
     fn normalise(&mut self) {
         let share = 1.0 / self.probability.iter().sum::<f64>();
         (self.position_m, self.rate_mps) = (0.0, 0.0);
-        for k in 0..STATES {
-            self.probability[k] = (self.probability[k] * share).max(LEAST);
-            self.position_m += self.probability[k] * self.mean_m[k];
-            self.rate_mps += self.probability[k] * RATES_MPS[k];
+        let states = self.probability.iter_mut().zip(&self.mean_m).zip(RATES_MPS);
+        for ((probability, mean_m), rate_mps) in states {
+            *probability = (*probability * share).max(LEAST);
+            self.position_m += *probability * mean_m;
+            self.rate_mps += *probability * rate_mps;
         }
     }
 }

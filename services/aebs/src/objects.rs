@@ -92,7 +92,7 @@ impl Objects {
             resolution_rad: 0.0,
             share: 1.0,
             circle: None,
-            places: Places::new(),
+            places: Places::default(),
         }
     }
 

@@ -69,13 +69,14 @@ pub struct Places {
     list: Vec<Place>,
 }
 
-impl Places {
-    /// None yet.
-    #[must_use]
-    pub fn new() -> Self {
+impl Default for Places {
+    /// An empty list with room for all places.
+    fn default() -> Self {
         Self { list: Vec::with_capacity(MAX_PLACES) }
     }
+}
 
+impl Places {
     /// Drops all places.
     pub(crate) fn clear(&mut self) {
         self.list.clear();
@@ -215,7 +216,7 @@ mod tests {
     /// Places as an ego on a straight sees them whose lane bends with `radius_m` in `begin_m`.
     fn before_a_curve(begin_m: f64, radius_m: f64, places: &[(f64, f64)]) -> Places {
         let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
-        let mut kept = Places::new();
+        let mut kept = Places::default();
         for _ in 0..3 {
             for (along_m, off_m) in places {
                 let (x_m, y_m) = if *along_m < begin_m {
@@ -236,7 +237,7 @@ mod tests {
         let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
         let (sine, cosine) = libm::sincos(curve.curvature_perm * end_m);
         let (end_x_m, end_y_m) = curve.to_body(end_m, 0.0);
-        let mut kept = Places::new();
+        let mut kept = Places::default();
         for _ in 0..3 {
             for &(along_m, off_m) in places {
                 let beyond_m = along_m - end_m;
@@ -359,7 +360,7 @@ mod tests {
 
     #[test]
     fn one_sighting_is_no_place_and_old_ones_are_forgotten() {
-        let mut places = Places::new();
+        let mut places = Places::default();
         for (along_m, off_m) in row(5.0, 8.0, -3.5) {
             places.take(along_m, off_m + along_m * along_m / 250.0);
         }
@@ -376,7 +377,7 @@ mod tests {
 
     #[test]
     fn there_is_an_end_to_what_is_kept() {
-        let mut places = Places::new();
+        let mut places = Places::default();
         for k in 0..1000 {
             places.take(2.0 * f64::from(k), 5.0);
         }

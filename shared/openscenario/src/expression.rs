@@ -77,7 +77,12 @@ pub enum Fault<E> {
 /// Operators by level, the closest last.
 static LEVELS: [&[&str]; 4] = [&["or"], &["and"], &["+", "-"], &["*", "/", "%"]];
 
-static OF_ONE: [(&str, fn(f64) -> f64); 12] = [
+/// A function of one number by its name.
+type OfOne = (&'static str, fn(f64) -> f64);
+/// A function of two numbers by its name.
+type OfTwo = (&'static str, fn(f64, f64) -> f64);
+
+static OF_ONE: [OfOne; 12] = [
     ("round", libm::round),
     ("floor", libm::floor),
     ("ceil", libm::ceil),
@@ -91,8 +96,7 @@ static OF_ONE: [(&str, fn(f64) -> f64); 12] = [
     ("acos", libm::acos),
     ("atan", libm::atan),
 ];
-static OF_TWO: [(&str, fn(f64, f64) -> f64); 3] =
-    [("pow", libm::pow), ("max", f64::max), ("min", f64::min)];
+static OF_TWO: [OfTwo; 3] = [("pow", libm::pow), ("max", f64::max), ("min", f64::min)];
 
 type Result<E> = std::result::Result<Value, Fault<E>>;
 

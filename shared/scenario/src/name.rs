@@ -73,6 +73,7 @@ texts! {
     };
 }
 
+#[expect(clippy::derivable_impls, reason = "a name, which the macro makes too, has no default")]
 impl Default for Line {
     fn default() -> Self {
         Self(String::new())

@@ -123,61 +123,6 @@ pub fn interventions(rows: &[Row]) -> u64 {
     rows.iter().filter_map(of).map(|times| times as u64).sum()
 }
 
-#[cfg(test)]
-pub mod tests {
-    use super::*;
-    use report::figures::{
-        INTERVENTIONS, MEDIAN_TIME_GAP_S, MIN_GAP_M, MIN_TIME_GAP_S, RMS_GAP_ERROR_M,
-    };
-    use report::{Following, Trip};
-    use supervise::report::ControlFigures;
-
-    /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
-    pub fn row(controller: &str, seed: u64, min_gap_m: f64) -> Row {
-        let figures = Values::default()
-            .with(&MIN_GAP_M, min_gap_m)
-            .with(&RMS_GAP_ERROR_M, 0.5)
-            .with(&MIN_TIME_GAP_S, 1.25)
-            .with(&MEDIAN_TIME_GAP_S, 1.5)
-            .with(&INTERVENTIONS, 2.0);
-        Row {
-            scenario: "following".into(),
-            controller: controller.into(),
-            seed,
-            mode: "lockstep".into(),
-            values: Vec::new(),
-            outcome: Outcome::Completed,
-            aborted_because: None,
-            requirements: Vec::new(),
-            figures,
-            parts: Some(parts()),
-        }
-    }
-
-    fn parts() -> Parts {
-        Parts {
-            control: Control {
-                figures: ControlFigures::default(),
-                following: Following::default(),
-                trip: Trip::default(),
-                mode_changes: None,
-            },
-            timing: Timing::default(),
-            aebs: Braking { interventions: Some(3), ..Braking::default() },
-            law: None,
-        }
-    }
-
-    #[test]
-    fn rows_of_a_caller_have_the_figures_of_their_parts() {
-        let figures = Values::default();
-        let rows = vec![Row { figures, ..row("a", 1, 0.0) }];
-        let rows = Row::read(&serde_json::to_string(&rows).expect("plain data")).expect("rows");
-        assert_eq!(rows[0].figures.get(&INTERVENTIONS), Some(3.0));
-        assert_eq!(interventions(&rows), 3);
-    }
-}
-
 /// A cell of the grid, folded over its seeds.
 pub struct Point<'a> {
     /// Its runs; the first stands for all.
@@ -234,5 +179,60 @@ impl<'a> Point<'a> {
         shown.insert("ended".to_owned(), json!({"text": ended, "ok": ok}));
         shown.insert("margins".to_owned(), json!(verdicts::words(&self.requirements)));
         shown
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use report::figures::{
+        INTERVENTIONS, MEDIAN_TIME_GAP_S, MIN_GAP_M, MIN_TIME_GAP_S, RMS_GAP_ERROR_M,
+    };
+    use report::{Following, Trip};
+    use supervise::report::ControlFigures;
+
+    /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
+    pub fn row(controller: &str, seed: u64, min_gap_m: f64) -> Row {
+        let figures = Values::default()
+            .with(&MIN_GAP_M, min_gap_m)
+            .with(&RMS_GAP_ERROR_M, 0.5)
+            .with(&MIN_TIME_GAP_S, 1.25)
+            .with(&MEDIAN_TIME_GAP_S, 1.5)
+            .with(&INTERVENTIONS, 2.0);
+        Row {
+            scenario: "following".into(),
+            controller: controller.into(),
+            seed,
+            mode: "lockstep".into(),
+            values: Vec::new(),
+            outcome: Outcome::Completed,
+            aborted_because: None,
+            requirements: Vec::new(),
+            figures,
+            parts: Some(parts()),
+        }
+    }
+
+    fn parts() -> Parts {
+        Parts {
+            control: Control {
+                figures: ControlFigures::default(),
+                following: Following::default(),
+                trip: Trip::default(),
+                mode_changes: None,
+            },
+            timing: Timing::default(),
+            aebs: Braking { interventions: Some(3), ..Braking::default() },
+            law: None,
+        }
+    }
+
+    #[test]
+    fn rows_of_a_caller_have_the_figures_of_their_parts() {
+        let figures = Values::default();
+        let rows = vec![Row { figures, ..row("a", 1, 0.0) }];
+        let rows = Row::read(&serde_json::to_string(&rows).expect("plain data")).expect("rows");
+        assert_eq!(rows[0].figures.get(&INTERVENTIONS), Some(3.0));
+        assert_eq!(interventions(&rows), 3);
     }
 }

@@ -18,7 +18,7 @@ fn settings() -> Settings {
 
 /// A step among no standing places.
 fn step(decision: &mut Decision, ego: &Ego, objects: impl IntoIterator<Item = Object>) -> Demand {
-    decision.step(ego, objects, &Places::new())
+    decision.step(ego, objects, &Places::default())
 }
 
 /// Drives at `speed` towards something of `other` m/s at `gap`. Returns each state with its time,
@@ -333,7 +333,7 @@ proptest::proptest! {
 #[test]
 fn an_object_on_a_row_is_braked_for_from_the_last_point_to_steer_on() {
     // A queue in the next lane of a curve ahead, three times seen.
-    let (straight, mut places) = (Circle::default(), Places::new());
+    let (straight, mut places) = (Circle::default(), Places::default());
     for _ in 0..3 {
         for along_m in (0..12).map(|k| 5.0 + 8.0 * f64::from(k)) {
             places.take(along_m, along_m * along_m / 500.0 - 3.5);

@@ -55,7 +55,7 @@ fn open(law: &str, variant: &[&str], key: Option<&str>) -> Option<Scenario> {
 
 /// The keys below `[controller]` with their dotted paths.
 fn keys() -> Vec<(String, Key)> {
-    let scenario = scenario::keys().iter().cloned().find(|key| key.name == "controller");
+    let scenario = scenario::keys().iter().find(|key| key.name == "controller").cloned();
     let Some(Key { shape: Shape::Table(own), .. }) = scenario else { panic!("a table") };
     let mut all = Vec::new();
     collect("", own, &mut all);
