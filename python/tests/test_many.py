@@ -137,7 +137,7 @@ def test_digests_and_figures_are_the_command_lines(command: str, tmp_path: Path)
     import json
 
     for scenario, law in (("following", "acc-mpc"), ("cacc-a", "cacc-mpc"), ("cut-in", "six-mode")):
-        options = [command, "run", scenario, "--controller", law, "--mode", "lockstep", "--in-process", "--json"]
+        options = [command, "run", scenario, "--controller", law, "--mode", "lockstep", "--in-process", "--json", "--digests"]
         printed = subprocess.run([*options, "--out", str(tmp_path / scenario)], capture_output=True, check=False)
         there = json.loads(printed.stdout)
         here = timegap.run(scenario, law=law, digests=True)
