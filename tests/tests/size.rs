@@ -10,9 +10,9 @@ use serde::Deserialize;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Ceilings {
-    /// Of each file of source.
+    /// Ceiling of each file of source.
     file: usize,
-    /// Of each crate, and of sums and other text by the names that `.ci/lines` prints.
+    /// Ceilings of each crate, and of sums and other text by the names that `.ci/lines` prints.
     lines: BTreeMap<String, usize>,
     /// Files that may be longer than `file`.
     long_files: BTreeMap<String, usize>,

@@ -67,7 +67,7 @@ pub struct Object {
     pub(crate) bow_m: f64,
     /// Standard deviation of the road's distance from the way there, m.
     pub(crate) way_sigma_m: f64,
-    /// Where a standing object near the path was seen, along the way and left of it, m. It may be on a row along which
+    /// Place of a standing object near the path, along the way and left of it, m. It may be on a row along which
     /// the road bends ([`mod@crate::row`]).
     pub(crate) row_m: Option<(f64, f64)>,
 }

@@ -225,7 +225,7 @@ impl Loop {
         Ok(Cycle::Next)
     }
 
-    /// What the inputs still allow: the law's input, and who drives.
+    /// The law's input, and who drives: as far as the inputs allow.
     fn decide(&mut self, release: &Release) -> (Input, Admission) {
         let time_s = release.time_s;
         let commanded_mps2 = self.output.request_mps2();

@@ -6,7 +6,7 @@ use std::io;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}{}", .expected.as_ref().map_or(String::new(), |form| format!(", expected {form}")))]
 pub struct BagError {
-    /// What is wrong.
+    /// Reason of the refusal.
     pub kind: BagFault,
     /// The fault in words.
     pub message: String,

@@ -8,7 +8,7 @@ pub(crate) struct Serde {
     pub(crate) default: Option<Fallback>,
     pub(crate) rename: Option<String>,
     pub(crate) rename_all: Case,
-    /// What a list of fields is to be, in words.
+    /// The form that a list of fields must have, in words.
     pub(crate) expecting: Option<String>,
     /// The type that is read in place of this one.
     pub(crate) from: Option<Type>,

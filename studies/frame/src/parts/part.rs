@@ -87,7 +87,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
 pub struct PartFile {
     schema_version: u32,
     pub study: String,
-    /// What it asks.
+    /// Arguments of the study.
     arguments: Value,
     /// Programs in the place of services.
     pub group: GroupOptions,
@@ -99,7 +99,7 @@ pub struct PartFile {
     pub shard: Option<Shard>,
 }
 
-/// What a part's file is expected to be.
+/// The form that a part's file must have.
 const EXPECTED: &str = "the description of a part";
 
 impl PartFile {

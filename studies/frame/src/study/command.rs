@@ -11,7 +11,7 @@ use supervise::GroupOptions;
 /// The command line of a study: what it asks, and how that is done.
 #[derive(Clone, Debug, Args)]
 pub struct Command<A: Args> {
-    /// What it asks.
+    /// Arguments of the study.
     #[command(flatten)]
     pub study: A,
     /// How it is done.

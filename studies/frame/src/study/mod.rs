@@ -24,7 +24,7 @@ use supervise::Error;
 use crate::batch::{Done, Job};
 use crate::parts::{Records, Shard};
 
-/// What a run gives: its record, which goes into the journal, and data for pictures, which stays in memory alone.
+/// Result of a run: its record, which goes into the journal, and data for pictures, which stays in memory alone.
 pub type Recorded<S> = Result<(<S as Study>::Record, <S as Study>::Seen), Error>;
 
 /// Condition for a result of some of the runs.
