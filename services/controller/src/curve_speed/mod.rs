@@ -157,8 +157,8 @@ impl CurveSpeed {
         let speed_mps = input.ego.speed_mps.max(0.0);
         self.see_target(input, road, speed_mps);
         let held_mps = self.held.filter(|held| time_s < held.until_s);
-        let wanted_mps =
-            self.comfortable_mps(road, speed_mps).min(held_mps.map_or(free_mps, |h| h.speed_mps));
+        let (comfortable_mps, needed_mps2) = self.demand(road, speed_mps);
+        let wanted_mps = comfortable_mps.min(held_mps.map_or(free_mps, |h| h.speed_mps));
         let next_mps = match self.cap_mps.map(|cap_mps| cap_mps.min(free_mps)) {
             Some(cap_mps) if cap_mps <= wanted_mps => {
                 (cap_mps + free_mps * period_s / FREED_S).min(wanted_mps)
@@ -171,7 +171,6 @@ impl CurveSpeed {
         };
         self.cap_mps = (next_mps < free_mps).then_some(next_mps);
         input.set_speed_mps = free_mps.min(next_mps);
-        let needed_mps2 = self.needed_mps2(road, speed_mps);
         self.bound(speed_mps, road.here_perm(), needed_mps2, period_s, requested_mps2);
     }
 
@@ -181,33 +180,26 @@ impl CurveSpeed {
         if self.most_mps2 < FREE_MPS2 { self.most_mps2 } else { f64::INFINITY }
     }
 
-    /// The largest speed from which every curve ahead is reached with its comfortable speed, m/s.
-    fn comfortable_mps(&self, road: &RoadAhead<'_>, speed_mps: f64) -> f64 {
+    /// The largest speed from which every curve ahead is reached with its comfortable speed, m/s, and the acceleration
+    /// with which the ego reaches it, m/s²; positive infinity if the ego is slow enough.
+    fn demand(&self, road: &RoadAhead<'_>, speed_mps: f64) -> (f64, f64) {
         let Settings { braking_mps2, .. } = self.settings;
-        let mut least = f64::INFINITY;
+        let mut square = f64::INFINITY;
+        let (mut needed, mut at_once) = (f64::INFINITY, f64::INFINITY);
+        let settle_m = SETTLE_S * speed_mps;
         road.each(|ahead_m, curvature_perm| {
             let there_mps = self.settings.comfortable_mps(curvature_perm);
             let way_m = (ahead_m - LEAD_S * speed_mps).max(0.0);
-            least = least.min(there_mps * there_mps + 2.0 * braking_mps2 * way_m);
-        });
-        least.sqrt()
-    }
-
-    /// The acceleration with which every curve ahead is reached with its comfortable speed, m/s²; positive infinity if
-    /// the ego is slow enough.
-    fn needed_mps2(&self, road: &RoadAhead<'_>, speed_mps: f64) -> f64 {
-        let (mut needed, mut at_once) = (f64::INFINITY, f64::INFINITY);
-        road.each(|ahead_m, curvature_perm| {
-            let there_mps = self.settings.comfortable_mps(curvature_perm);
+            square = square.min(there_mps * there_mps + 2.0 * braking_mps2 * way_m);
             if there_mps < speed_mps {
                 let surplus = there_mps * there_mps - speed_mps * speed_mps;
-                let settle_m = SETTLE_S * speed_mps;
                 let way_m = (ahead_m - RESPONSE_S * speed_mps).max(settle_m);
                 needed = needed.min(surplus / (2.0 * way_m));
                 at_once = at_once.min(surplus / (2.0 * ahead_m.max(settle_m)));
             }
         });
-        needed.max(if at_once < -HARD_MPS2 { -HARDEST_MPS2 } else { -HARD_MPS2 })
+        let hardest = if at_once < -HARD_MPS2 { -HARDEST_MPS2 } else { -HARD_MPS2 };
+        (square.sqrt(), needed.max(hardest))
     }
 
     /// Notes the target; holds the speed where one was lost in a curve.
