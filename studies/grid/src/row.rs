@@ -107,13 +107,16 @@ impl Row {
 
     /// Rows of a caller: a list as in the JSON of `compare`, also without figures beside the parts.
     pub fn read(rows: &str) -> serde_json::Result<Vec<Self>> {
-        let mut rows: Vec<Self> = serde_json::from_str(rows)?;
-        for row in &mut rows {
-            if let Some(parts) = row.parts.as_ref().filter(|_| row.figures == Values::default()) {
-                row.figures = Values::of(parts);
-            }
+        let rows: Vec<Self> = serde_json::from_str(rows)?;
+        Ok(rows.into_iter().map(Self::with_figures).collect())
+    }
+
+    /// The row with the figures of its parts, if it has none.
+    pub fn with_figures(self) -> Self {
+        match self.parts.as_ref().filter(|_| self.figures == Values::default()) {
+            Some(parts) => Self { figures: Values::of(parts), ..self },
+            None => self,
         }
-        Ok(rows)
     }
 }
 

@@ -10,15 +10,14 @@
 
 use report::results::{Table, count, number, word};
 use schemars::JsonSchema;
-use serde::Serialize;
-use serde_json::json;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use supervise::UsageError;
 use supervise::report::Outcome;
 
-use super::differences::{Difference, rule, since};
+use super::differences::{Difference, columns, rule, since};
 use crate::row::Row;
 
 /// The content that a baseline must have.
@@ -28,6 +27,13 @@ const EXPECTED: &str = "the compare.json of an earlier comparison";
 #[derive(Debug)]
 pub struct Baseline {
     file: PathBuf,
+    rows: Vec<Row>,
+}
+
+/// The part of a comparison's result that a baseline needs.
+#[derive(Deserialize)]
+struct Earlier {
+    #[serde(default)]
     rows: Vec<Row>,
 }
 
@@ -77,11 +83,11 @@ impl Baseline {
             UsageError::option("--against", file.display(), why, EXPECTED)
         };
         let text = std::fs::read_to_string(file).map_err(|error| refuse(&error))?;
-        let whole: serde_json::Value =
-            serde_json::from_str(&text).map_err(|error| refuse(&error))?;
-        let rows = whole.get("rows").filter(|rows| rows.as_array().is_some_and(|r| !r.is_empty()));
-        let rows = rows.ok_or_else(|| refuse(&"it has no rows"))?;
-        let rows = Row::read(&rows.to_string()).map_err(|error| refuse(&error))?;
+        let Earlier { rows } = serde_json::from_str(&text).map_err(|error| refuse(&error))?;
+        if rows.is_empty() {
+            return Err(refuse(&"it has no rows"));
+        }
+        let rows = rows.into_iter().map(Row::with_figures).collect();
         Ok(Self { file: file.to_owned(), rows })
     }
 
@@ -148,19 +154,8 @@ impl Against {
 
     /// What got worse, then all differences for pages.
     pub fn tables(&self) -> Vec<Table> {
-        let columns = || {
-            [
-                word("scenario", "scenario", ""),
-                word("controller", "law", ""),
-                word("", "figure", "").of(|difference: &Difference| json!(difference.title)),
-                number("before", "before", "", 3, ""),
-                number("mean", "change", "", 3, ""),
-                number("low", "from", "", 3, "").weight(1),
-                number("high", "to", "", 3, "").weight(1),
-                count("n", "n", "").weight(2),
-                word("", "it is", "").of(|difference: &Difference| json!(difference.verdict())),
-            ]
-        };
+        let mut columns = columns();
+        columns.insert(3, number("before", "before", "", 3, ""));
         let broken = [
             word("scenario", "scenario", ""),
             word("controller", "law", ""),
@@ -171,10 +166,8 @@ impl Against {
         let all: Vec<&Difference> = self.differences.iter().collect();
         vec![
             Table::new("Runs that completed before", &broken, &self.broken),
-            Table::new("Worse than the baseline", &columns(), worse),
-            Table::new("All changes since the baseline", &columns(), all)
-                .for_pages()
-                .without_cases(),
+            Table::new("Worse than the baseline", &columns, worse),
+            Table::new("All changes since the baseline", &columns, all).for_pages().without_cases(),
         ]
     }
 }

@@ -6,9 +6,10 @@
 //! show in the figure's last digit is not called real. A drive that ended early has other figures. So pairs of completed runs alone count, and the share of completed runs is a figure of its own.
 
 use report::figures::compared;
-use report::results::Good;
+use report::results::{Column, Good, count, number, word};
 use schemars::JsonSchema;
 use serde::Serialize;
+use serde_json::json;
 use statistics::{Interval, interval, least_pairs};
 use std::collections::BTreeMap;
 use supervise::report::Outcome;
@@ -19,6 +20,20 @@ use crate::row::Row;
 const TAILS: f64 = 0.05;
 /// Name of the share of completed runs.
 const COMPLETED: &str = "completed";
+
+/// Columns of the differences.
+pub fn columns() -> Vec<Column<Difference>> {
+    vec![
+        word("scenario", "scenario", ""),
+        word("controller", "law", ""),
+        word("", "figure", "").of(|difference| json!(difference.title)),
+        number("mean", "difference", "", 3, ""),
+        number("low", "from", "", 3, "").weight(1),
+        number("high", "to", "", 3, "").weight(1),
+        count("n", "n", "").weight(2),
+        word("", "law is", "").of(|difference| json!(difference.verdict())),
+    ]
+}
 
 /// A figure of a law minus that of the first law, over the seeds.
 #[derive(Debug, Serialize, JsonSchema)]

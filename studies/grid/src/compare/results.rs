@@ -1,14 +1,12 @@
 //! The result of a comparison, for every output.
 
 use super::against::Against;
-use super::differences::{Difference, differences, rule};
+use super::differences::{Difference, columns, differences, rule};
 use crate::row::{Point, Row, interventions, points};
 use report::figures::{
     CYCLES_BY_BACKUP, DEADLINE_MISSES, FINAL_GAP_ERROR_M, Figure, MAX_ACCEL_MPS2, compared,
 };
-use report::results::{
-    Column, Document, Schema, Table, count, judged, micros, number, outcome, word,
-};
+use report::results::{Column, Document, Schema, Table, count, judged, micros, outcome, word};
 use report::summary::braked;
 use report::{RunPicture, overlay, verdicts};
 use schemars::JsonSchema;
@@ -213,18 +211,6 @@ fn energy(row: &Row) -> Value {
     }
 }
 
-/// Columns of the differences from the first law.
-const DIFFERENCES: &[Column<Difference>] = &[
-    word("scenario", "scenario", ""),
-    word("controller", "law", ""),
-    word("", "figure", "").of(|difference| json!(difference.title)),
-    number("mean", "difference", "", 3, ""),
-    number("low", "from", "", 3, "").weight(1),
-    number("high", "to", "", 3, "").weight(1),
-    count("n", "n", "").weight(2),
-    word("", "law is", "").of(|difference| json!(difference.verdict())),
-];
-
 /// The means as a table with a block for each scenario.
 pub fn means_table(points: &[Point<'_>]) -> Table {
     let names: [Column<Value>; 3] = [
@@ -249,8 +235,8 @@ pub fn difference_tables(all: &[Difference]) -> Vec<Table> {
         return Vec::new();
     };
     let real: Vec<&Difference> = all.iter().filter(|difference| difference.is_real()).collect();
-    let real = Table::new(&format!("Real differences from {reference}"), DIFFERENCES, real);
-    let all = Table::new(&format!("All differences from {reference}"), DIFFERENCES, all);
+    let real = Table::new(&format!("Real differences from {reference}"), &columns(), real);
+    let all = Table::new(&format!("All differences from {reference}"), &columns(), all);
     vec![real.for_terminals().without_cases(), all.for_pages().without_cases()]
 }
 
