@@ -11,8 +11,8 @@ use std::process::Command;
 const LAYERS: [&[&str]; 10] = [
     &["bags", "messages", "mpc-solver", "truck-model"],
     &["scenario"],
-    &["radio"],
-    &["runtime"],
+    &["law", "radio"],
+    &["laws", "runtime"],
     &["services/"],
     &["drive"],
     &["supervise", "report"],

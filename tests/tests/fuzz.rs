@@ -55,7 +55,7 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
                  start = { x_m = 5, y_m = 7, heading_deg = 30 }\nlanes = { left = 1, right = 2, width_m = 3.5 }\n",
             ),
         ],
-        "design" => vec![file("services/controller/designs/quadratic-bounded.json")],
+        "design" => vec![file("shared/laws/designs/quadratic-bounded.json")],
         "link" => vec![
             text(r#"{"start":{"start_ns":12}}"#),
             text(

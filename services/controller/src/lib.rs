@@ -1,4 +1,4 @@
-//! The control laws and the control loop.
+//! The control loop, and the registry of the laws that it can ask.
 //!
 //! ```text
 //! topics ─ sampling ─► plausibility ─► ladder ─► law ─► curve speed ─► control/command, control/diagnostics
@@ -38,15 +38,14 @@
 #![warn(missing_docs)]
 
 pub mod curve_speed;
-pub mod following;
 pub mod ladder;
-pub mod law;
 pub mod laws;
 mod planning_thread;
 pub mod plausibility;
 pub mod report;
 pub mod sampling;
 mod service;
-pub mod settings;
 
+pub use ::law;
+pub use ::law::{following, settings};
 pub use service::{last_law_times, run, run_asked, run_law, serve};

@@ -1,5 +1,6 @@
 //! Figures that the controller reports at its end.
 
+use law::ProgramReport;
 use messages::level::Levels;
 use runtime::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
@@ -50,28 +51,6 @@ pub struct CheckReport {
     /// Largest value in a cycle without a contradiction, as a share of the threshold.
     pub nearest: f64,
 }
-
-/// Counts of the host of a foreign law's program.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ProgramReport {
-    /// Times that it was started.
-    pub starts: u64,
-    /// Questions that it answered in time.
-    pub answers: u64,
-    /// Releases at which its answer was not there in time: the law's backup drove.
-    pub late: u64,
-    /// Answers that no vehicle could follow: the law's backup drove.
-    pub refused: u64,
-    /// Releases at which there was no program to ask: the law's backup drove.
-    pub absent: u64,
-    /// Its failures, at most [`MAX_FAILURES`] of them.
-    pub failures: Vec<String>,
-    /// It failed too often and was not started again.
-    pub given_up: bool,
-}
-
-/// Failures of a program that are kept.
-pub const MAX_FAILURES: usize = 8;
 
 /// Timeliness of the planning beside a control loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -172,7 +172,7 @@ fn storyboards() {
 
 fn a_tampered_design() {
     let corner = Corner::new(PROGRAM);
-    let shipped = include_str!("../../../services/controller/designs/quadratic-bounded.json");
+    let shipped = include_str!("../../../shared/laws/designs/quadratic-bounded.json");
     std::fs::write(corner.path().join("good.json"), shipped).expect("our own directory");
     // The first digit after the first decimal point of the gains.
     let gains = shipped.find("\"rules\"").expect("the design has rules");

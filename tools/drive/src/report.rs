@@ -1,9 +1,8 @@
 //! Reports of the services at their end: each service's crate defines its own figures.
 
 pub use aebs::report::AebsReport;
-pub use controller::report::{
-    CheckReport, ControllerReport, ModeChange, PlanningReport, ProgramReport,
-};
+pub use controller::law::ProgramReport;
+pub use controller::report::{CheckReport, ControllerReport, ModeChange, PlanningReport};
 pub use obu::report::ObuReport;
 pub use perception_sim::report::PerceptionReport;
 pub use plant::report::{

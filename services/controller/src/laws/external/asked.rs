@@ -10,8 +10,8 @@
 //! where it expects it, and an error of the law stays with the caller.
 
 use super::record::{Bounds, Refused, accept, question};
+use crate::law::ProgramReport;
 use crate::law::{Hosted, HostedError, Input, Law, Output};
-use crate::report::ProgramReport;
 use bytemuck::Zeroable;
 use messages::{LawAnswer, LawInput};
 use runtime::Turns;

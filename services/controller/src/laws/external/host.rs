@@ -7,8 +7,8 @@
 use super::channel::{Channel, ChannelError};
 use super::process::{GRACE, Plan, Process, StartError};
 use super::record::question;
+use crate::law::MAX_FAILURES;
 use crate::law::{HostedError, Input};
-use crate::report::MAX_FAILURES;
 use runtime::scheduling::lend_to;
 use scenario::Scenario;
 use scenario::supervision::Supervision;

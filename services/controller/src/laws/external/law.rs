@@ -6,8 +6,8 @@ use super::host::{Host, HostError, News};
 use super::idle;
 use super::process::Plan;
 use super::record::{Bounds, Refused, accept, question};
+use crate::law::ProgramReport;
 use crate::law::{Hosted, HostedError, Input, Law, Output};
-use crate::report::ProgramReport;
 use scenario::Scenario;
 use std::time::{Duration, Instant};
 

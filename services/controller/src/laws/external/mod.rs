@@ -35,9 +35,9 @@ pub use law::External;
 
 use super::cacc::config::Config;
 use super::cacc::{self, Signals};
-use crate::law::reader::key;
+use crate::law::key;
+use crate::law::settings::{self, Table};
 use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader};
-use crate::settings::{self, Table};
 use backup::Backup;
 use parameters::parameters;
 use process::Plan;

@@ -1,8 +1,0 @@
-//! Common parts of the laws that follow a vehicle. They are the lag's exact motion, a comfortable driver, the safe gap,
-//! and the soft end of a stop. A follower is made of these.
-
-pub mod driver;
-pub mod kinematics;
-pub mod parameters;
-pub(crate) mod safe_gap;
-pub(crate) mod soft_stop;

@@ -1,0 +1,232 @@
+//! Settings of the two model-predictive laws.
+
+use mpc_solver::{Kind, Solver};
+use parameters::parameters;
+use scenario::Problem;
+use scenario::controller::{Controller, LightStages, Solver as SolverName, SpacingPolicy};
+
+use super::road_config::{RoadConfig, TABLE};
+use super::weights::{JOINT, Weights};
+use law::following::driver::Driver;
+use law::key;
+use law::settings::{Number, SettingError, below};
+use law::{MAX_PLAN, Reader};
+
+/// Handling of signals by a law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Signals {
+    /// `acc-mpc`.
+    Ignored,
+    /// `cacc-mpc`.
+    Used,
+}
+
+parameters! {
+    /// Settings of `acc-mpc` and `cacc-mpc`. The numbers have the defaults of the scenario's keys.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Steps of the prediction, `N`.
+        horizon_steps: usize = 100, "1", 10.0..=128.0, "The scenario's key.";
+        /// Step of the prediction, `T`, s.
+        step_s: f64 = 0.1, "s", 0.01..=0.5, "The scenario's key.";
+        /// Lag of the vehicle's acceleration behind the request, `tau`, s.
+        actuator_lag_s: f64 = 0.5, "s", 0.05..=5.0, "The scenario's key.";
+        /// Smallest request, m/s².
+        min_request_mps2: f64 = -4.9, "m/s²", -12.0..=-0.5, "The scenario's key.";
+        /// Largest request, m/s².
+        max_request_mps2: f64 = 4.9, "m/s²", 0.5..=12.0, "The scenario's key.";
+        /// Time headway `t_h`, s.
+        time_headway_s: f64 = 1.5, "s", 0.3..=5.0, "The scenario's key.";
+        /// Buffer `d_b`: the desired gap at standstill under the paper's spacing policies, m.
+        buffer_m: f64 = 12.0, "m", 0.5..=50.0, "The paper's.";
+        others {
+            /// Form of the desired distance, and with it the formulation.
+            spacing_policy: SpacingPolicy = SpacingPolicy::ConstantTimeHeadway;
+            /// Solver of the convex programs.
+            solver: SolverName = SolverName::Riccati;
+            /// Weights of the paper's cost.
+            weights: Weights = JOINT;
+            /// Stages at which the paper's light penalty counts.
+            light_stages: LightStages = LightStages::default();
+            /// Settings of the formulation for the road.
+            road: RoadConfig = RoadConfig::default();
+        }
+    }
+}
+
+const _: () = assert!(MAX_PLAN == 128, "the longest horizon fits a plan");
+
+impl Config {
+    /// The settings of a scenario, in the formulation that its spacing policy chooses.
+    ///
+    /// # Errors
+    /// The place of the first wrong key of the law's table.
+    pub fn of(reader: &Reader<'_>, signals: Signals) -> Result<Self, Problem> {
+        match key!(reader, spacing_policy) {
+            SpacingPolicy::ConstantTimeHeadway => {
+                if signals == Signals::Ignored {
+                    let of_signals = [
+                        "stop_margin_m",
+                        "yellow_reaction_s",
+                        "light_weight_m",
+                        "light_threshold_m",
+                        "hysteresis",
+                    ];
+                    reader.without(TABLE.name, &of_signals);
+                }
+                Self::of_road(reader)
+            }
+            spacing_policy => {
+                let mut weights = Weights {
+                    gap_error_per_m2: key!(reader, weights.q1).value(),
+                    speed_error_s2_per_m2: key!(reader, weights.q2).value(),
+                    acceleration_s4_per_m2: key!(reader, weights.q3).value(),
+                    request_s4_per_m2: key!(reader, weights.r).value(),
+                    ..JOINT
+                };
+                let mut light_stages = LightStages::default();
+                if signals == Signals::Used {
+                    light_stages = key!(reader, weights.light_stages);
+                    weights.light_m = key!(reader, weights.light_weight).value();
+                    weights.light_threshold_m = key!(reader, weights.light_threshold_m).value();
+                }
+                // The driver that takes over in the end.
+                let keys = ["acceleration_mps2", "reference_deceleration_mps2"];
+                let road = reader.part_of_table(TABLE.name, &keys)?;
+                let config =
+                    Self { spacing_policy, weights, light_stages, road, ..Self::shared(reader) };
+                Ok(config.at_standstill())
+            }
+        }
+    }
+
+    /// The settings of the formulation for the road.
+    ///
+    /// # Errors
+    /// The place of the first wrong key of the law's table.
+    pub fn of_road(reader: &Reader<'_>) -> Result<Self, Problem> {
+        let road = reader.table(TABLE.name)?;
+        Ok(Self { road, ..Self::shared(reader) }.at_standstill())
+    }
+
+    /// The same with one gap at standstill for both formulations.
+    fn at_standstill(self) -> Self {
+        Self { road: RoadConfig { standstill_gap_m: self.buffer_m, ..self.road }, ..self }
+    }
+
+    /// The settings that all formulations have.
+    fn shared(reader: &Reader<'_>) -> Self {
+        let step = reader.key("prediction_step_ms", Controller::prediction_step);
+        Self {
+            solver: key!(reader, solver),
+            horizon_steps: key!(reader, horizon).value().into(),
+            step_s: f64::from(step.value()) / 1e3,
+            actuator_lag_s: key!(reader, model_time_constant_s).value(),
+            min_request_mps2: key!(reader, min_request_mps2).value(),
+            max_request_mps2: key!(reader, max_request_mps2).value(),
+            time_headway_s: key!(reader, time_headway_s).value(),
+            buffer_m: key!(reader, standstill_distance_m).value(),
+            ..Self::default()
+        }
+    }
+
+    /// The driver that makes references, and drives where a program has no solution.
+    pub(super) fn driver(&self) -> Driver {
+        Driver {
+            acceleration_mps2: self.road.acceleration_mps2,
+            deceleration_mps2: self.road.reference_deceleration_mps2,
+            hardest_mps2: -self.min_request_mps2,
+        }
+    }
+
+    /// The solver that is asked for.
+    #[must_use]
+    pub fn create_solver(&self) -> Box<dyn Solver + Send> {
+        let kind = match self.solver {
+            SolverName::Riccati => Kind::Riccati,
+            SolverName::Clarabel => Kind::Clarabel,
+        };
+        kind.create(self.horizon_steps)
+    }
+
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// The first key that is not usable.
+    pub fn check(&self) -> Result<(), SettingError> {
+        Number::of("", self).iter().try_for_each(Number::check)?;
+        below("step_s", self.step_s, "actuator_lag_s", self.actuator_lag_s)?;
+        self.weights.check()?;
+        self.road.check_within(self.min_request_mps2, self.max_request_mps2)
+    }
+
+    /// An error in the words and units of the scenario's keys below `controller`.
+    #[must_use]
+    pub fn in_scenario(error: SettingError, controller: &Controller) -> SettingError {
+        let error = if error.key() == "step_s" { error.in_ms() } else { error };
+        error.renamed(|key| match key {
+            "horizon_steps" => "horizon",
+            "step_s" if controller.prediction_step_ms.is_some() => "prediction_step_ms",
+            // Without a step of its own the prediction has the controller's.
+            "step_s" => "period_ms",
+            "actuator_lag_s" => "model_time_constant_s",
+            "buffer_m" | "road.standstill_gap_m" => "standstill_distance_m",
+            other => other,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use scenario::Scenario;
+    use scenario::quantity::PeriodMs;
+
+    use super::*;
+
+    #[test]
+    fn the_default_is_valid() {
+        assert_eq!(Config::default().check(), Ok(()));
+    }
+
+    #[test]
+    fn errors_are_in_the_words_and_units_of_the_scenario() {
+        let said = |config: Config| {
+            let error = config.check().expect_err("out of range");
+            Config::in_scenario(error, &Controller::default()).to_string()
+        };
+        let set =
+            Controller { prediction_step_ms: Some(PeriodMs::of(1000)), ..Controller::default() };
+        let slow = Config { step_s: 1.0, ..Config::default() }.check().expect_err("out of range");
+        assert_eq!(
+            Config::in_scenario(slow, &set).to_string(),
+            "prediction_step_ms = 1000 is out of range, expected a number from 10 to 500"
+        );
+        for period_ms in [1, 100, 500, 501, 1000, 10_000] {
+            let period_ms = PeriodMs::of(period_ms);
+            let text = "schema_version = 1\nname = \"a\"\n";
+            let mut scenario = Scenario::parse("a", text).expect("a scenario");
+            scenario.controller.period_ms = period_ms;
+            let config = Config::of_road(&Reader::new(&scenario)).expect("the defaults");
+            assert!(config.step_s <= 0.5, "{period_ms:?}: {}", config.step_s);
+        }
+        let long = said(Config { horizon_steps: 1000, ..Config::default() });
+        assert_eq!(long, "horizon = 1000 is out of range, expected a number from 10 to 128");
+        let beyond = said(Config { step_s: 0.4, actuator_lag_s: 0.3, ..Config::default() });
+        let expected =
+            "period_ms = 400 is too large, expected a number below model_time_constant_s (300)";
+        assert_eq!(beyond, expected);
+        let small = said(Config { actuator_lag_s: 1e-9, ..Config::default() });
+        assert!(small.starts_with("model_time_constant_s = 0.000000001 is"), "{small}");
+    }
+
+    #[test]
+    fn a_value_that_is_not_a_number_or_contradicts_is_refused() {
+        let nan = Config { actuator_lag_s: f64::NAN, ..Config::default() };
+        assert_eq!(nan.check().expect_err("NaN").key(), "actuator_lag_s");
+        let slow = Config { step_s: 0.4, actuator_lag_s: 0.3, ..Config::default() };
+        assert_eq!(slow.check().expect_err("a step beyond the lag").key(), "step_s");
+        let weights = Weights { request_s4_per_m2: 0.0, ..JOINT };
+        let free = Config { weights, ..Config::default() };
+        assert_eq!(free.check().expect_err("no cost").key(), "weights.request_s4_per_m2");
+    }
+}

@@ -1,0 +1,290 @@
+//! The reference: a comfortable driver, rolled out over the horizon.
+//!
+//! The driver heads for the desired speed behind the predicted lead and in front of closed lines. It has the time when
+//! a line opens. Let `D` be the time left and `d` the distance. Any speed up to `v*` leaves it able to stop with
+//! deceleration `b` and lag `h` when the line opens,
+//!
+//! ```text
+//! d = v* (D + h) + v*² / (2 b)    ->    v* = b (sqrt((D + h)² + 2 d / b) - (D + h))
+//! ```
+//!
+//! so that it glides to a light about to turn green instead of braking for it. It slows down to that speed early:
+//! then it is still rolling when the light opens. Here `b` is the comfort deceleration, which is needed only where
+//! the light does not open as announced. Behind a lead that waits at the line, that lead's place counts.
+
+use super::lead::Prediction;
+use super::signals::Line;
+use law::MAX_PLAN;
+use law::following::driver::{Driver, Obstacle};
+use law::following::kinematics::{LagStep, Motion};
+use law::following::safe_gap::SafeGap;
+
+/// Headway that the driver keeps to a stop line, s.
+const LINE_HEADWAY_S: f64 = 1.0;
+/// Lag `h` that it assumes when it glides, s.
+const GLIDE_LAG_S: f64 = 0.5;
+/// Band of speed above `v*` over which gliding fades into braking, m/s.
+const GLIDE_BAND_MPS: f64 = 1.0;
+/// A lead slower than this in front of a closed line waits there, m/s.
+const WAITS_MPS: f64 = 0.5;
+/// Share of its acceleration that the driver has on average on the way to its speed.
+const LATER_SHARE: f64 = 0.7;
+/// Slowest speed at which a later line's arrival is estimated, m/s.
+const CREEP_MPS: f64 = 1.0;
+
+/// Intended treatment of the nearest line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Gate {
+    /// As open from now on.
+    Open,
+    /// As closed until the time, s.
+    ClosedUntil(f64),
+    /// As closed.
+    Closed,
+}
+
+/// Constants of a roll-out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scene<'a> {
+    pub(super) driver: Driver,
+    /// Deceleration with which a glide could still stop, m/s².
+    pub(super) glide_mps2: f64,
+    pub(super) lag: LagStep,
+    pub(super) horizon: usize,
+    pub(super) now_s: f64,
+    pub(super) desired_mps: f64,
+    pub(super) headway_s: f64,
+    pub(super) standstill_m: f64,
+    pub(super) min_gap_m: f64,
+    pub(super) stop_margin_m: f64,
+    /// Distance on the odometer of the roll-out's origin, m.
+    pub(super) origin_m: f64,
+    pub(super) safe_gap: &'a SafeGapTable,
+    pub(super) lead: &'a Prediction,
+    pub(super) lines: &'a [Line],
+}
+
+/// The driver's trajectory from the ego's state; position 0 is the ego's front bumper now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reference {
+    pub(super) motion: [Motion; MAX_PLAN + 1],
+    /// The driver's request, and zero while it stands: so the programs' linear model stays at the reference. Braking
+    /// would move the model backwards, so each stage of the horizon would press on its row `v >= 0`. The plan would be
+    /// the same, at forty times the solver's time.
+    pub(super) request_mps2: [f64; MAX_PLAN],
+    /// Farthest position allowed at each stage by lead and closed lines, never behind the driver,
+    /// m.
+    pub(super) ceiling_m: [f64; MAX_PLAN + 1],
+    pub(super) hardest_mps2: f64,
+}
+
+impl Reference {
+    pub(super) const EMPTY: Self = Self {
+        motion: [Motion { position_m: 0.0, speed_mps: 0.0, acceleration_mps2: 0.0 }; MAX_PLAN + 1],
+        request_mps2: [0.0; MAX_PLAN],
+        ceiling_m: [f64::INFINITY; MAX_PLAN + 1],
+        hardest_mps2: 0.0,
+    };
+
+    /// Rolls the driver out from `start`.
+    pub(super) fn roll_out(&mut self, scene: &Scene<'_>, start: Motion, nearest: Gate) {
+        self.hardest_mps2 = 0.0;
+        self.motion[0] = start;
+        self.ceiling_m[0] = f64::INFINITY;
+        for k in 0..scene.horizon {
+            let here = self.motion[k];
+            let (request, ceiling) = scene.request(k, here, nearest);
+            self.hardest_mps2 = self.hardest_mps2.max(-request);
+            let next = scene.lag.advance(here, request);
+            let stands = here.speed_mps == 0.0 && next.speed_mps == 0.0;
+            self.request_mps2[k] = if stands { 0.0 } else { request };
+            self.motion[k + 1] = next;
+            let behind_lead = if scene.lead.present {
+                scene.lead.position_m[k + 1] - scene.min_gap_m
+            } else {
+                f64::INFINITY
+            };
+            self.ceiling_m[k + 1] = ceiling.min(behind_lead).max(next.position_m + 0.05);
+        }
+    }
+
+    /// First stage at which the driver is at or beyond `position_m`.
+    pub(super) fn reaches(&self, position_m: f64, horizon: usize) -> Option<usize> {
+        (0..=horizon).find(|&k| self.motion[k].position_m >= position_m)
+    }
+}
+
+/// The gap that is safe behind a steady lead, over the speed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SafeGapTable {
+    /// At whole metres per second.
+    gap_m: [f64; SPEEDS],
+}
+
+/// Speeds of the table.
+const SPEEDS: usize = 72;
+/// Gap that is kept beyond the safe one, m: the noise of the radar.
+const SPARE_M: f64 = 1.0;
+
+impl SafeGapTable {
+    pub(super) fn new(safe: &SafeGap) -> Self {
+        Self { gap_m: std::array::from_fn(|v| SPARE_M + safe.steady_gap_m(v as f64)) }
+    }
+
+    fn at(&self, speed_mps: f64) -> f64 {
+        let place = speed_mps.clamp(0.0, (SPEEDS - 2) as f64);
+        let low = place as usize;
+        let share = place - low as f64;
+        self.gap_m[low] + share * (self.gap_m[low + 1] - self.gap_m[low])
+    }
+}
+
+impl Scene<'_> {
+    /// The time headway, or the safe gap if that is larger.
+    fn headway_at(&self, v: f64) -> f64 {
+        self.headway_s.max((self.safe_gap.at(v) - self.standstill_m) / v.max(1.0))
+    }
+
+    /// The driver's request at stage `k` and the ceiling that closed lines put on the next
+    /// position.
+    fn request(&self, k: usize, here: Motion, nearest: Gate) -> (f64, f64) {
+        let v = here.speed_mps;
+        let free = self.driver.free_mps2(v, self.desired_mps);
+        let mut request = free;
+        if self.lead.present {
+            let lead = Obstacle {
+                gap_m: self.lead.position_m[k] - here.position_m,
+                speed_mps: self.lead.speed_mps[k],
+                acceleration_mps2: self.lead.acceleration_mps2[k],
+                headway_s: self.headway_at(v),
+                standstill_m: self.standstill_m,
+            };
+            request = free.min(self.driver.follow_below_mps2(free, v, self.desired_mps, &lead));
+        }
+        let time = self.now_s + k as f64 * self.lag.step_s;
+        let mut ceiling = f64::INFINITY;
+        let mut is_next = true;
+        for (j, line) in self.lines.iter().enumerate() {
+            let distance = line.at_m - self.origin_m - here.position_m;
+            if distance <= 0.0 {
+                continue;
+            }
+            let glides = std::mem::replace(&mut is_next, false);
+            let opens = match (j, nearest) {
+                (0, Gate::Open) => continue,
+                (0, Gate::Closed) => None,
+                (0, Gate::ClosedUntil(opens)) if time >= opens => continue,
+                (0, Gate::ClosedUntil(opens)) => Some(opens),
+                _ => match self.later_line(line, time, distance, v) {
+                    Gate::Open => continue,
+                    Gate::Closed => None,
+                    Gate::ClosedUntil(opens) => Some(opens),
+                },
+            };
+            ceiling = ceiling.min(line.at_m - self.origin_m - self.stop_margin_m);
+            let room = self.queue_room_m(k, here, distance);
+            let opens_in_s = opens.map(|at| at - time);
+            request =
+                request.min(self.before_line(free, v, distance.min(room), opens_in_s, glides));
+        }
+        (request, ceiling)
+    }
+
+    /// Room before a closed line, m. A lead may wait there.
+    fn queue_room_m(&self, k: usize, here: Motion, distance: f64) -> f64 {
+        let gap = self.lead.position_m[k] - here.position_m;
+        let waits = self.lead.present && gap < distance && self.lead.speed_mps[k] < WAITS_MPS;
+        if waits { gap - self.standstill_m + self.stop_margin_m } else { distance }
+    }
+
+    /// Request before a closed line that opens after a time in s. The speed is one at which the driver requests `free`
+    /// on an open road. Only the next line is glided to: slowing down for a later one could cost a green before it.
+    fn before_line(
+        &self,
+        free: f64,
+        v: f64,
+        distance: f64,
+        opens_in_s: Option<f64>,
+        glides: bool,
+    ) -> f64 {
+        let line = Obstacle {
+            gap_m: distance,
+            speed_mps: 0.0,
+            acceleration_mps2: 0.0,
+            headway_s: LINE_HEADWAY_S,
+            standstill_m: self.stop_margin_m,
+        };
+        let stop = self.driver.follow_below_mps2(free, v, self.desired_mps, &line);
+        let Some(left) = opens_in_s else { return stop };
+        let b = self.glide_mps2;
+        let wait = left + GLIDE_LAG_S;
+        let room = (distance - self.stop_margin_m).max(0.0);
+        let glide = b * ((wait * wait + 2.0 * room / b).sqrt() - wait);
+        let gliding = self.driver.free_mps2(v, glide.min(self.desired_mps));
+        // Above the glide speed the ego brakes for a line that stays closed, at least as hard as for the glide.
+        let share = (1.0 + (glide - v) / GLIDE_BAND_MPS).clamp(0.0, 1.0);
+        let request = stop + share * (gliding - stop).max(0.0);
+        if glides { request.min(gliding) } else { request }
+    }
+
+    /// A line behind the nearest is open when it is green now and will be on arrival. On the way the driver gains
+    /// speed.
+    fn later_line(&self, line: &Line, time: f64, distance: f64, v: f64) -> Gate {
+        if !line.known {
+            return Gate::Closed;
+        }
+        let (a, top) = (LATER_SHARE * self.driver.acceleration_mps2, self.desired_mps.max(v));
+        let gaining_s = (top - v) / a;
+        let gained_m = 0.5 * (v + top) * gaining_s;
+        let way_s = if gained_m < distance {
+            gaining_s + (distance - gained_m) / top.max(CREEP_MPS)
+        } else {
+            ((v * v + 2.0 * a * distance).sqrt() - v) / a
+        };
+        let arrival = time + way_s;
+        for green in line.greens() {
+            if arrival > green.likely_s {
+                continue;
+            }
+            return if green.from_s <= time { Gate::Open } else { Gate::ClosedUntil(green.from_s) };
+        }
+        Gate::Closed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use law::following::kinematics::Lag;
+    use law::following::safe_gap::{LeadNow, SafeGap};
+
+    #[test]
+    fn a_driver_that_stands_leaves_the_linear_model_where_it_stands() {
+        let lag = Lag { tau_s: 0.5 };
+        let safe = SafeGap::new(lag, 0.1, (-4.9, -3.0), 2.0, 7.0);
+        let mut lead = Prediction::ABSENT;
+        let standing = LeadNow { gap_m: 4.0, speed_mps: 0.0, acceleration_mps2: 0.0 };
+        lead.update(Some(&standing), 0.1, 0.9);
+        let scene = Scene {
+            driver: Driver { acceleration_mps2: 2.0, deceleration_mps2: 1.7, hardest_mps2: 4.9 },
+            glide_mps2: 3.0,
+            lag: lag.discretise(0.1),
+            horizon: 100,
+            now_s: 0.0,
+            desired_mps: 20.0,
+            headway_s: 1.5,
+            standstill_m: 5.0,
+            min_gap_m: 2.0,
+            stop_margin_m: 1.0,
+            origin_m: 0.0,
+            safe_gap: &SafeGapTable::new(&safe),
+            lead: &lead,
+            lines: &[],
+        };
+        let mut reference = Reference::EMPTY;
+        reference.roll_out(&scene, Motion::default(), Gate::Open);
+        assert!(reference.hardest_mps2 > 0.5, "closer than it wants to stand, it brakes");
+        assert!(reference.motion.iter().all(|motion| motion.speed_mps == 0.0));
+        assert!(reference.request_mps2.iter().all(|request| *request == 0.0));
+    }
+}

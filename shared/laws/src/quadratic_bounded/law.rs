@@ -1,0 +1,383 @@
+//! The law: increments, virtual lead, the smaller of two, and the envelope.
+
+use super::certificate::{ClosedMatrix, ClosedState, extended};
+use super::design::Design;
+use super::envelope::{self, Envelope};
+use super::model::{State, StateMatrix};
+use super::printed;
+use super::settings::{GainSource, Settings};
+use crate::checked::Checked;
+use law::following::kinematics::Motion;
+use law::following::safe_gap::LeadNow;
+use law::settings::{self, SettingError};
+use law::{Ego, Input, Law, Output, Quality, Target};
+use nalgebra::{SMatrix, SVector};
+
+/// Request towards which a law without usable input moves, m/s².
+const BLIND_REQUEST: f64 = -1.0;
+/// Share of the sample time by which a release may come early and still be due.
+const EARLY: f64 = 1e-6;
+
+/// Lead that the law follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// The virtual lead, at the set speed and without gap error.
+    Cruise,
+    /// The real one.
+    Follow,
+    /// Neither: the fall-back drives.
+    FallBack,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Reason {
+    #[default]
+    None,
+    NoTarget,
+    CruiseDemandsLess,
+    LeadDemandsLess,
+    OutsideCertifiedRange,
+}
+
+/// Request for one lead.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    /// [x; xc] as the law takes it.
+    z: ClosedState,
+    increment: f64,
+}
+
+impl Candidate {
+    /// The increment of the printed gains, without xc.
+    fn printed(x: &State) -> Self {
+        Self { z: extended(x, &State::zeros()), increment: printed::increment(x) }
+    }
+}
+
+/// The quadratic-bounded law.
+#[derive(Clone, Debug)]
+pub struct QuadraticBounded {
+    design: Design,
+    settings: Settings,
+    /// Lead of the last update; `None` before the first and after unusable input.
+    mode: Option<Mode>,
+    reason: Reason,
+    /// Controller state xc.
+    xc: State,
+    /// u(k-1), m/s².
+    request: f64,
+    started: bool,
+    envelope: Envelope,
+    /// Time until the next update is due, s.
+    wait_s: f64,
+    /// Quality and figures of the last update, for the releases that hold it.
+    quality: Quality,
+    figures: [f64; 8],
+}
+
+impl QuadraticBounded {
+    /// A law with a verified design.
+    ///
+    /// # Errors
+    /// The setting that is not usable.
+    pub fn new(design: Design, settings: Settings) -> Result<Self, SettingError> {
+        settings::Settings::check(&settings)?;
+        Ok(Self {
+            design,
+            settings,
+            mode: None,
+            reason: Reason::None,
+            xc: State::zeros(),
+            request: 0.0,
+            started: false,
+            envelope: Envelope::default(),
+            wait_s: 0.0,
+            quality: Quality::Full,
+            figures: [0.0; 8],
+        })
+    }
+
+    /// The design behind the law.
+    #[must_use]
+    pub fn design(&self) -> &Design {
+        &self.design
+    }
+
+    /// Lead of the last update.
+    #[must_use]
+    pub fn mode(&self) -> Option<Mode> {
+        self.mode
+    }
+
+    /// One sample of the increment law.
+    fn update(&mut self, input: &Checked, too_slow: bool) {
+        let p = self.design.parameters();
+        let Checked { ego, target, set_speed_mps, .. } = *input;
+        let (speed, acceleration) = (ego.speed_mps, ego.acceleration_mps2);
+        if !self.started {
+            self.started = true;
+            self.request = acceleration.clamp(-p.request_bound_mps2, p.request_bound_mps2);
+        }
+        let desired = p.desired_gap_m(speed);
+        let virtual_lead = State::new(0.0, set_speed_mps - speed, acceleration, self.request);
+        let cruise = self.cruise(virtual_lead, speed);
+        let followed = target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
+        let follow = followed.map(|t| {
+            let error_m = t.gap_m - desired;
+            self.follow(
+                State::new(error_m, t.relative_speed_mps, acceleration, self.request),
+                speed,
+            )
+        });
+        let (mode, reason, chosen) = match follow {
+            None => (Mode::Cruise, Reason::NoTarget, cruise),
+            Some(f) if f.increment < cruise.increment => (Mode::Follow, Reason::LeadDemandsLess, f),
+            Some(_) => (Mode::Cruise, Reason::CruiseDemandsLess, cruise),
+        };
+        let [excess, excess_after_reset] = self.excess(&chosen.z, followed.as_ref());
+        let state = envelope::State {
+            excess,
+            excess_after_reset,
+            speed_mps: speed,
+            lead_mps: followed.map_or(f64::INFINITY, |t| speed + t.relative_speed_mps),
+            lead_mps2: followed.map_or(0.0, |t| t.acceleration_mps2),
+        };
+        let p = self.design.parameters();
+        if self.envelope.is_left(p, &state, p.sample_time_s) {
+            self.fall_back(input, excess);
+            return;
+        }
+        if self.mode != Some(mode) {
+            self.mode = Some(mode);
+            self.reason = reason;
+        }
+        let bound = p.increment_bound_mps2;
+        let request = (self.request + chosen.increment.clamp(-bound, bound))
+            .clamp(-p.request_bound_mps2, p.request_bound_mps2);
+        let increment = request - self.request;
+        self.request = request;
+        if !self.is_printed() {
+            self.xc = self.next_controller_state(&chosen.z, speed);
+        }
+        self.quality = if excess > 1.0 || too_slow || self.is_printed() {
+            Quality::Relaxed
+        } else {
+            Quality::Full
+        };
+        let true_gap_error = target.map_or(0.0, |t| t.gap_m - desired);
+        let rate = chosen.z[1] - p.gap_derivative_s(speed) * acceleration;
+        self.figures = [
+            excess,
+            true_gap_error,
+            chosen.z[0],
+            chosen.z[1],
+            rate,
+            increment,
+            cruise.increment,
+            follow.map_or(0.0, |f| f.increment),
+        ];
+    }
+
+    fn is_printed(&self) -> bool {
+        self.settings.gains == GainSource::Printed
+    }
+
+    /// Progress of the state towards the end of the law's range, which is 1. The second value is the same from a reset
+    /// controller state. V of a certified design, the urgency of the printed gains.
+    fn excess(&self, z: &ClosedState, lead: Option<&Target>) -> [f64; 2] {
+        if self.is_printed() {
+            let p = self.design.parameters();
+            return [lead
+                .map_or(0.0, |lead| printed::urgency(p, lead.gap_m, lead.relative_speed_mps));
+                2];
+        }
+        let x = State::from_fn(|i, _| z[i]);
+        let after_reset = (x.transpose() * self.design.x_inverse() * x)[(0, 0)];
+        [self.design.lyapunov(z), after_reset]
+    }
+
+    /// One sample of the fall-back.
+    fn fall_back(&mut self, input: &Checked, excess: f64) {
+        let p = self.design.parameters();
+        let Checked { ego: Ego { speed_mps, acceleration_mps2, .. }, set_speed_mps, .. } = *input;
+        let braking_mps2 = self.settings.fall_back_braking_mps2;
+        let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2 };
+        let target = input.target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
+        let lead = target.map(|t| LeadNow {
+            gap_m: t.gap_m,
+            speed_mps: (speed_mps + t.relative_speed_mps).max(0.0),
+            acceleration_mps2: t.acceleration_mps2,
+        });
+        let hardest = (braking_mps2, self.settings.lead_deceleration_mps2);
+        let request = envelope::fall_back_mps2(p, hardest, ego, lead.as_ref(), set_speed_mps);
+        let request = request.clamp(-braking_mps2, p.request_bound_mps2);
+        if self.mode != Some(Mode::FallBack) {
+            self.mode = Some(Mode::FallBack);
+            self.reason = Reason::OutsideCertifiedRange;
+        }
+        let increment = request - self.request;
+        self.request = request;
+        self.quality = Quality::FallBack;
+        let gap_error_m = target.map_or(0.0, |t| t.gap_m - p.desired_gap_m(speed_mps));
+        let speed_error_mps = target.map_or(0.0, |t| t.relative_speed_mps);
+        let rate_mps = speed_error_mps - p.gap_derivative_s(speed_mps) * acceleration_mps2;
+        let shown = [excess, gap_error_m, gap_error_m, speed_error_mps, rate_mps, increment];
+        self.figures = [0.0; 8];
+        self.figures[..6].copy_from_slice(&shown);
+    }
+
+    /// The virtual lead: no gap error, and a speed that keeps V within its limit.
+    fn cruise(&self, mut x: State, speed: f64) -> Candidate {
+        if self.is_printed() {
+            return Candidate::printed(&x);
+        }
+        let (low, high) = self.admissible(Mode::Cruise, &x, 1);
+        x[1] = x[1].clamp(low, high);
+        self.candidate(Mode::Cruise, &x, speed)
+    }
+
+    /// The real lead, its gap error cut off above. Otherwise a slower lead far away would be outside of the design's
+    /// range.
+    fn follow(&self, mut x: State, speed: f64) -> Candidate {
+        x[0] = x[0].min(self.settings.gap_error_limit_m);
+        if self.is_printed() {
+            return Candidate::printed(&x);
+        }
+        let (_, high) = self.admissible(Mode::Follow, &x, 0);
+        x[0] = x[0].min(high);
+        self.candidate(Mode::Follow, &x, speed)
+    }
+
+    fn candidate(&self, mode: Mode, x: &State, speed: f64) -> Candidate {
+        let xc = if self.mode == Some(mode) { self.xc } else { self.design.reset() * x };
+        let blend = self.design.parameters().memberships(speed);
+        let rules = self.design.rules();
+        let increment =
+            blend.iter().zip(rules).map(|(h, r)| h * (r.fx.dot(&xc) + r.fy.dot(x))).sum();
+        Candidate { z: extended(x, &xc), increment }
+    }
+
+    /// Values of entry `index` of x for which V stays within its limit, the rest as given. The one
+    /// with the least V where there are none.
+    fn admissible(&self, mode: Mode, x: &State, index: usize) -> (f64, f64) {
+        let limit = self.settings.envelope_limit;
+        if self.mode == Some(mode) {
+            let p: &ClosedMatrix = self.design.p();
+            interval(p, &extended(x, &self.xc), index, limit)
+        } else {
+            let x_inverse: &StateMatrix = self.design.x_inverse();
+            interval(x_inverse, x, index, limit)
+        }
+    }
+
+    fn next_controller_state(&self, z: &ClosedState, speed: f64) -> State {
+        let x = State::from_fn(|i, _| z[i]);
+        let xc = State::from_fn(|i, _| z[i + x.len()]);
+        let blend = self.design.parameters().memberships(speed);
+        blend
+            .iter()
+            .zip(self.design.rules())
+            .fold(State::zeros(), |next, (h, r)| next + (r.ac * xc + r.l * x) * *h)
+    }
+
+    /// Without usable input: towards comfortable braking, never releasing a brake that is on. The
+    /// next usable input starts from a reset controller state.
+    fn blind(&mut self) {
+        let step = self.design.parameters().increment_bound_mps2;
+        self.request = BLIND_REQUEST.min(self.request).max(self.request - step);
+        self.mode = None;
+        self.started = true;
+        self.wait_s = 0.0;
+        self.quality = Quality::Backup;
+        self.figures = [0.0; 8];
+    }
+}
+
+/// Roots of V(z with entry `index` free) = limit for V = z' m z.
+fn interval<const N: usize>(
+    m: &SMatrix<f64, N, N>,
+    z: &SVector<f64, N>,
+    index: usize,
+    limit: f64,
+) -> (f64, f64) {
+    let mut rest = *z;
+    rest[index] = 0.0;
+    let row = m.column(index).dot(&rest);
+    let square = m[(index, index)];
+    let constant = (rest.transpose() * m * rest)[(0, 0)];
+    let half_width = (row * row - square * (constant - limit)).max(0.0).sqrt();
+    ((-row - half_width) / square, (-row + half_width) / square)
+}
+
+impl Law for QuadraticBounded {
+    fn reset(&mut self) {
+        self.mode = None;
+        self.reason = Reason::None;
+        self.xc = State::zeros();
+        self.request = 0.0;
+        self.started = false;
+        self.envelope = Envelope::default();
+        self.wait_s = 0.0;
+        self.quality = Quality::Full;
+        self.figures = [0.0; 8];
+    }
+
+    fn step(&mut self, input: &Input, output: &mut Output) {
+        *output = Output::default();
+        let sample_time = self.design.parameters().sample_time_s;
+        // A lead that accelerates as no vehicle can is no input.
+        let is_one = |lead: Target| (-50.0..=50.0).contains(&lead.acceleration_mps2);
+        match Checked::of(input).filter(|checked| checked.target.is_none_or(is_one)) {
+            None => self.blind(),
+            Some(checked) => {
+                if self.wait_s <= EARLY * sample_time {
+                    let too_slow = input.period_s > sample_time * (1.0 + EARLY);
+                    self.update(&checked, too_slow);
+                    // A late update does not shift the next; a lost one is not made up for.
+                    self.wait_s = (self.wait_s + sample_time).max(0.0);
+                }
+                self.wait_s -= input.period_s;
+            }
+        }
+        output.set_request(self.request);
+        output.quality = self.quality;
+        output.figures = self.figures;
+        output.mode = self.mode.map_or(0, |mode| mode as u32);
+        output.mode_reason = self.reason as u32;
+    }
+
+    fn request_bounds_mps2(&self) -> (f64, f64) {
+        let bound = self.design.parameters().request_bound_mps2;
+        (-bound.max(self.settings.fall_back_braking_mps2), bound)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_ends_where_v_meets_the_limit() {
+        let m = nalgebra::Matrix2::new(2.0, 0.5, 0.5, 1.0);
+        let z = nalgebra::Vector2::new(7.0, 0.3);
+        let (low, high) = interval(&m, &z, 0, 0.98);
+        for x in [low, high] {
+            let z = nalgebra::Vector2::new(x, 0.3);
+            assert!(((z.transpose() * m * z)[(0, 0)] - 0.98).abs() < 1e-12);
+        }
+        assert!(low < high);
+        // No value is admissible: the minimiser of V.
+        let z = nalgebra::Vector2::new(7.0, 30.0);
+        assert_eq!(interval(&m, &z, 0, 0.98), (-7.5, -7.5));
+    }
+
+    #[test]
+    fn settings_name_the_bad_key() {
+        use law::settings::Settings as _;
+        assert_eq!(Settings::default().check(), Ok(()));
+        let bad = Settings { envelope_limit: 1.5, ..Settings::default() };
+        assert_eq!(bad.check().expect_err("too large").key(), "envelope_limit");
+        let bad = Settings { gap_error_limit_m: f64::NAN, ..Settings::default() };
+        assert_eq!(bad.check().expect_err("NaN").key(), "gap_error_limit_m");
+    }
+}
