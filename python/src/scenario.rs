@@ -3,7 +3,12 @@
 use crate::errors::{ScenarioError, raise};
 use pyo3::prelude::*;
 use scenario::quantity::Seed;
-use supervise::{LawOptions, LawSource, NamedLaw, OptionNames, ScenarioOptions};
+use scenario::{Setting, option_value};
+use supervise::{Error, LawOptions, LawSource, NamedLaw, OptionNames, ScenarioOptions};
+
+fn refuse(error: scenario::ScenarioError) -> PyErr {
+    raise(&Error::from(error))
+}
 
 /// A scenario, read and checked.
 #[pyclass(frozen, module = "timegap._timegap")]
@@ -22,12 +27,17 @@ impl Scenario {
         duration: Option<String>,
         own: Option<String>,
     ) -> PyResult<Self> {
+        let of_key = |text: &str| Setting::read("set:", text);
+        let set = set.iter().map(|text| of_key(text)).collect::<Result<_, _>>();
+        let value = |option, text: Option<String>| {
+            text.map(|text| option_value(option, &text)).transpose().map_err(refuse)
+        };
         let own = own.map(|name| NamedLaw { name, source: LawSource::Caller });
         let options = ScenarioOptions {
             controller,
-            seed,
-            duration,
-            set,
+            seed: value("seed:", seed)?,
+            duration: value("duration_s:", duration)?,
+            set: set.map_err(refuse)?,
             laws: LawOptions { laws: own.into_iter().collect() },
             names: OptionNames {
                 controller: "law:",

@@ -49,8 +49,8 @@ fn capture(path: &Path, seconds: u64) {
 
 fn play(path: &Path) -> Value {
     let mut overrides = Overrides::new();
-    overrides.option("--radio", "v2x.radio", &format!("pcap:{}", path.display()));
-    overrides.option("--duration", "duration_s", "15");
+    overrides.option("--radio", "v2x.radio", format!("pcap:{}", path.display()));
+    overrides.option("--duration", "duration_s", 15);
     let scenario = Scenario::open("corridor", &overrides, &controller::laws::check).expect("right");
     let group = in_process::run(&scenario).expect("it runs");
     let summary = Summary::new(&scenario, Mode::Lockstep, &group, Duration::ZERO);

@@ -21,7 +21,7 @@ const STRAIGHT: &str = "\n[road.plan]\npieces = [{ line_m = 5000 }]\n[plant.late
 /// Digests of 12 s in one process, by topic.
 fn digests(name: &str, toml: &str) -> BTreeMap<String, Value> {
     let mut overrides = Overrides::new();
-    overrides.option("--duration", "duration_s", "12");
+    overrides.option("--duration", "duration_s", 12);
     let scenario = Scenario::parse_with(name, toml, &overrides, &controller::laws::check)
         .unwrap_or_else(|error| panic!("{error}"));
     let group = in_process::run(&scenario).expect("it runs");

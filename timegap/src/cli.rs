@@ -9,6 +9,7 @@ use crate::recordings::replay::ReplayArguments;
 use crate::trace::TraceArguments;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use scenario::ScenarioError;
 use std::error::Error;
 use std::ffi::OsString;
 use std::num::{IntErrorKind, ParseIntError};
@@ -182,9 +183,9 @@ fn groups(command: &clap::Command) -> String {
         format!("  {name:<10} {}\n", about.map(ToString::to_string).unwrap_or_default())
     };
     let group = |(title, names): &(&str, &[&str])| {
-        format!("{title}:\n{}\n", names.iter().map(line).collect::<String>())
+        format!("{title}:\n{}", names.iter().map(line).collect::<String>())
     };
-    GROUPS.iter().map(group).collect::<String>().trim_end().to_owned()
+    GROUPS.map(|one| group(&one)).join("\n")
 }
 
 impl Cli {
@@ -216,9 +217,17 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 fn explain(error: clap::Error) -> clap::Error {
     match error.kind() {
         ErrorKind::InvalidSubcommand => suggest(error),
-        ErrorKind::ValueValidation => expect_a_number(error),
+        ErrorKind::ValueValidation => show_place(error).unwrap_or_else(expect_a_number),
         _ => error,
     }
+}
+
+/// Shows the place in a setting that cannot be read.
+fn show_place(error: clap::Error) -> Result<clap::Error, clap::Error> {
+    let refusal = error.source().and_then(|reason| reason.downcast_ref::<ScenarioError>());
+    let Some(said) = refusal.map(ToString::to_string) else { return Err(error) };
+    let said = said.strip_prefix("error: ").unwrap_or(&said);
+    Ok(clap::Error::raw(ErrorKind::ValueValidation, format!("{said}\n")))
 }
 
 fn expect_a_number(error: clap::Error) -> clap::Error {

@@ -6,8 +6,8 @@ use its::{EncodeError, Message, MessageKind};
 use radio::{Carrier, Role, StationReport, wall_clock_ns};
 use report::print;
 use report::results::{Column, Document, Table, count, number};
-use scenario::Scenario;
 use scenario::carrier::CarrierAddress;
+use scenario::{Scenario, Setting};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::process::ExitCode;
@@ -34,7 +34,7 @@ pub struct RsuArguments {
     pub duration: Option<f64>,
     /// Change a key of the scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    pub set: Vec<Setting>,
     /// Print the counts as JSON, and nothing else
     #[arg(long)]
     pub json: bool,

@@ -52,10 +52,11 @@ pub use group::{per_service, referee, require, runtime, supervision};
 pub use reading::words::accepted;
 pub use reading::{
     DecodeError, LawTables, MAX_TEXT_BYTES, Overrides, Problem, Reads, Refusal, ScenarioError,
-    Source,
+    Setting, Source, option_value,
 };
 pub use roads::{grade, plan, road};
 pub use signals::{carrier, preview, radio, v2x};
+pub use toml::{Table, Value};
 pub use traffic::{actor, cycle, event, recorded, speeds, storyboard, translation};
 
 use serde::de::DeserializeOwned;
@@ -217,6 +218,19 @@ pub fn read_as<T: DeserializeOwned>(
 /// When the text is not such a table; shows the line.
 pub fn read_road(source: &str, text: &str) -> Result<grade::GradeProfile, ScenarioError> {
     road::parse_csv(source, text)
+}
+
+/// A table of keys and values.
+///
+/// ```
+/// let keys = scenario::table! { kind: "drop", for_s: 0.5, when: scenario::table! { standstill: true } };
+/// assert_eq!(keys["for_s"].as_float(), Some(0.5));
+/// ```
+#[macro_export]
+macro_rules! table {
+    ($($key:ident: $value:expr),* $(,)?) => {
+        $crate::Table::from_iter([$((stringify!($key).to_owned(), $crate::Value::from($value))),*])
+    };
 }
 
 /// The keys of a scenario file.

@@ -6,6 +6,7 @@ use super::sums::Limit;
 use runtime::Mode;
 use schemars::JsonSchema;
 use serde::Serialize;
+use supervise::UsageError;
 
 /// A run to blame.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -49,14 +50,14 @@ impl<'a> Blame<'a> {
     }
 
     /// Adds a run if it is to blame.
-    pub fn add(&mut self, record: &Record) {
+    pub fn add(&mut self, record: &Record) -> Result<(), UsageError> {
         let blamed = self.limits.iter().filter_map(|limit| {
             let value = limit.blames(record)?;
             Some(format!("{} {value}", limit.figure.name))
         });
         let mut reasons: Vec<String> = blamed.collect();
         if reasons.is_empty() {
-            return;
+            return Ok(());
         }
         let broken = record.requirements.iter().filter(|verdict| !verdict.met);
         reasons.extend(broken.map(|verdict| {
@@ -65,7 +66,7 @@ impl<'a> Blame<'a> {
         let measured = &record.measured;
         reasons.extend(record.aborted_because.clone());
         reasons.extend(measured.leaks.iter().chain(&measured.degraded).cloned());
-        let planned = self.plan.get(record.run);
+        let planned = self.plan.get(record.run)?;
         let mut faults = planned.faults();
         // A case without a fault is known by its name.
         if faults.is_empty() && planned.fault.starts_with("case ") {
@@ -79,6 +80,7 @@ impl<'a> Blame<'a> {
             repeat: planned.repeat(self.mode.name()),
             faults,
         });
+        Ok(())
     }
 
     fn count(&mut self, scenario: &str, fault: &str) {

@@ -43,8 +43,8 @@
 
 use super::sums::{Figure, Limit, figures};
 use runtime::Mode;
-use scenario::Problem;
 use scenario::name::{Line, Name};
+use scenario::{Problem, Setting};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::{NonZeroU32, NonZeroUsize};
@@ -85,7 +85,7 @@ pub struct Campaign {
     pub first_seed: u32,
     /// Keys set in all runs, as for `--set`.
     #[serde(default)]
-    pub set: Vec<String>,
+    pub set: Vec<Setting>,
     /// Requirements of all runs beside those of their scenarios.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub formulas: Vec<String>,
@@ -121,7 +121,7 @@ pub struct Case {
     /// Name of a built-in scenario, or a file.
     pub scenario: String,
     /// Keys of the scene and its faults, as for `--set`.
-    pub set: Vec<String>,
+    pub set: Vec<Setting>,
     /// Runs, each with a seed of its own.
     #[serde(default = "ten")]
     pub seeds: NonZeroU32,

@@ -16,12 +16,12 @@ use supervise::{Error, GroupOptions, ScenarioOptions, UsageError, absent};
 pub fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
     let options = ScenarioOptions {
         controller: planned.controller.clone(),
-        seed: Some(planned.seed.to_string()),
+        seed: Some(planned.seed.into()),
         parameters: planned.parameters.clone(),
         require: planned.formulas.clone(),
         ..ScenarioOptions::default()
     };
-    let scenario = supervise::open_with(&planned.scenario, &options, "set", &planned.keys)?;
+    let scenario = supervise::open_with(&planned.scenario, &options, "set", &planned.settings)?;
     let of_processes = scenario.faults.iter().find(|fault| fault.effect.of_processes().is_some());
     if let Some(fault) = of_processes.filter(|_| campaign.mode == Mode::Lockstep) {
         let place = format_args!("a fault of kind `{}`", fault.effect.kind());

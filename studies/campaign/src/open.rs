@@ -172,7 +172,8 @@ mod tests {
         let refused = Campaign::parse("c.toml", &other).expect_err("it is wrong").to_string();
         let plan = crate::plan::plan(&campaign.expect("a campaign")).expect("a plan");
         let _ = std::fs::remove_dir_all(&folder);
-        assert_eq!(plan.get(0).keys, ["duration_s=7"]);
+        let run = plan.get(0).expect("no faults");
+        assert_eq!(run.settings[0].to_string(), "duration_s=7");
         assert!(refused.contains("`./other.toml` is not run"), "{refused}");
     }
 }

@@ -7,6 +7,7 @@ use super::template::{Drawing, check, drawn};
 use super::variation::Variants;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
+use scenario::Setting;
 use supervise::{Error, UsageError};
 
 /// Largest number of runs of a campaign.
@@ -74,7 +75,7 @@ impl Plan {
     }
 
     /// The run at a place among those that are done.
-    pub fn at(&self, place: usize) -> Planned {
+    pub fn at(&self, place: usize) -> Result<Planned, UsageError> {
         self.get(self.number(place))
     }
 
@@ -89,7 +90,7 @@ impl Plan {
                     controller: controller.clone(),
                     fault: "none".into(),
                     seed: self.campaign.first_seed,
-                    keys: self.keys(scenario, self.campaign.first_seed),
+                    settings: self.settings(scenario, self.campaign.first_seed),
                     formulas: self.campaign.formulas.clone(),
                     parameters: self.variants.as_ref().map_or_else(Vec::new, |all| all.get(0)),
                 });
@@ -98,17 +99,17 @@ impl Plan {
         runs
     }
 
-    /// Keys that are set in the run of a scenario with this seed, without its faults.
-    fn keys(&self, scenario: &str, seed: u32) -> Vec<String> {
+    /// Settings of the run of a scenario with this seed, without its faults.
+    fn settings(&self, scenario: &str, seed: u32) -> Vec<Setting> {
         // The streams of the faults count from 0.
         let mut random = Pcg64::new(seed.into(), u128::from(u64::MAX));
         random.next_u64();
         let settings = self.campaign.settings.get(scenario).into_iter().flatten();
-        let settings = settings.map(|(key, value)| format!("{key}={}", drawn(value, &mut random)));
+        let settings = settings.map(|(key, value)| Setting::new(key, drawn(value, &mut random)));
         self.campaign.set.iter().cloned().chain(settings).collect()
     }
 
-    pub fn first_of_cases(&self) -> impl Iterator<Item = Planned> + '_ {
+    pub fn first_of_cases(&self) -> impl Iterator<Item = Result<Planned, UsageError>> + '_ {
         let seeds = self.campaign.cases.iter().map(|case| case.seeds.get() as usize);
         let before = seeds.scan(self.drawn, |run, seeds| {
             let first = *run;
@@ -135,7 +136,7 @@ impl Plan {
                 controller: self.controllers[place % controllers].clone(),
                 fault: format!("case {}", case.name.as_str()),
                 seed: self.campaign.first_seed.saturating_add(number),
-                keys: self.campaign.set.iter().chain(&case.set).cloned().collect(),
+                settings: self.campaign.set.iter().chain(&case.set).cloned().collect(),
                 formulas: self.campaign.formulas.clone(),
                 parameters: Vec::new(),
             });
@@ -143,10 +144,11 @@ impl Plan {
         None
     }
 
-    pub fn get(&self, run: usize) -> Planned {
+    /// A run by its number in the whole campaign.
+    pub fn get(&self, run: usize) -> Result<Planned, UsageError> {
         let place = run.checked_sub(self.drawn);
         if let Some(fixed) = place.and_then(|place| self.fixed(run, place)) {
-            return fixed;
+            return Ok(fixed);
         }
         let Self { campaign, controllers, faults, variants, .. } = self;
         // The last counts fastest.
@@ -158,21 +160,21 @@ impl Plan {
         let number = u32::try_from(number).expect("fewer runs than u32 has numbers");
         let seed = campaign.first_seed.saturating_add(number);
         let fault = &faults[which];
-        let mut keys = self.keys(&campaign.scenarios[place / values], seed);
+        let mut settings = self.settings(&campaign.scenarios[place / values], seed);
         // Controllers meet the same faults; scenarios do not.
         let stream = (place * faults.len() + which) as u128;
-        let drawn = Some(fault.draw(seed, stream)).filter(|drawn| !drawn.is_empty());
-        keys.extend(drawn.map(|drawn| format!("faults=[{}]", drawn.join(", "))));
-        Planned {
+        let drawn = Some(fault.draw(seed, stream)?).filter(|drawn| !drawn.is_empty());
+        settings.extend(drawn.map(|faults| Setting::faults(&faults)));
+        Ok(Planned {
             run,
             scenario: campaign.scenarios[place / values].clone(),
             controller: controllers[controller].clone(),
             fault: fault.label().into(),
             seed,
-            keys,
+            settings,
             formulas: campaign.formulas.clone(),
             parameters: variants.as_ref().map_or_else(Vec::new, |all| all.get(place % values)),
-        }
+        })
     }
 }
 
@@ -196,7 +198,11 @@ fn draw_runs(all: usize, count: usize, seed: u32) -> Vec<usize> {
 mod tests {
     use super::*;
     use std::collections::BTreeSet;
-    use toml::{Table, Value};
+    use toml::Value;
+
+    fn texts(run: &Planned) -> Vec<String> {
+        run.settings.iter().map(Setting::to_string).collect()
+    }
 
     fn campaign(lines: &str) -> Campaign {
         let head = "schema_version = 1\nname = \"x\"\nscenarios = [\"cacc-a\", \"cut-in\"]\n";
@@ -205,7 +211,7 @@ mod tests {
 
     fn runs(lines: &str) -> Vec<Planned> {
         let plan = plan(&campaign(lines)).expect("a plan");
-        (0..plan.len()).map(|place| plan.at(place)).collect()
+        (0..plan.len()).map(|place| plan.at(place).expect("right faults")).collect()
     }
 
     const FAULTS: &str = "seeds = 50\ncontrollers = [\"acc-mpc\", \"six-mode\"]
@@ -252,9 +258,9 @@ bits = [1, 3]
         assert_eq!(of(5), ("cut-in", "case a", 3));
         assert_eq!(of(6), ("cacc-a", "case b", 1));
         assert_eq!(fixed[1].controller.as_deref(), Some("six-mode"));
-        assert_eq!(fixed[0].keys, ["seed=0", "duration_s=9"]);
+        assert_eq!(texts(&fixed[0]), ["seed=0", "duration_s=9"]);
         let plan = plan(&campaign(&text)).expect("a plan");
-        let first: Vec<_> = plan.first_of_cases().map(|run| run.run).collect();
+        let first: Vec<_> = plan.first_of_cases().map(|run| run.expect("right").run).collect();
         assert_eq!(first, [400, 406]);
     }
 
@@ -263,8 +269,7 @@ bits = [1, 3]
         let runs = runs(FAULTS);
         assert_eq!(runs, self::runs(FAULTS));
         let faults = |run: &Planned| {
-            let table: Table = toml::from_str(run.keys.last().expect("faults")).expect("TOML");
-            table["faults"].as_array().expect("a list").clone()
+            run.settings.last().expect("faults").value().as_array().expect("a list").clone()
         };
         let mut seen = BTreeSet::new();
         let mut instants = Vec::new();
@@ -299,9 +304,9 @@ bits = [1, 3]
         let (mixed, alone): (Vec<_>, Vec<_>) = runs.iter().partition(|run| run.fault == "mixed");
         assert_eq!((mixed.len(), alone.len()), (80, 80));
         for run in mixed {
-            let table: Table = toml::from_str(run.keys.last().expect("faults")).expect("TOML");
-            let [one, other] = table["faults"].as_array().expect("a list").as_slice() else {
-                panic!("{table}")
+            let faults = run.settings.last().expect("faults").value();
+            let [one, other] = faults.as_array().expect("a list").as_slice() else {
+                panic!("{faults}")
             };
             assert_eq!(one["at_s"], other["at_s"]);
             assert_ne!(one["service"], other["service"]);
@@ -311,12 +316,13 @@ bits = [1, 3]
     #[test]
     fn a_scenario_has_settings_of_its_own() {
         let runs = runs("seeds = 20\n[settings.cut-in]\n\"seed\" = [5, 35]\n");
-        let values: BTreeSet<&String> = runs.iter().filter_map(|run| run.keys.first()).collect();
+        let values: BTreeSet<String> =
+            runs.iter().filter_map(|run| run.settings.first()).map(Setting::to_string).collect();
         assert!(
             values.len() > 8 && values.iter().all(|key| key.starts_with("seed=")),
             "{values:?}"
         );
-        assert!(runs.iter().all(|run| run.keys.is_empty() == (run.scenario == "cacc-a")));
+        assert!(runs.iter().all(|run| run.settings.is_empty() == (run.scenario == "cacc-a")));
     }
 
     #[test]
@@ -329,8 +335,7 @@ bits = [1, 3]
         let mut counts = [0; 5];
         let (mut phases, mut kinds) = (BTreeSet::new(), BTreeSet::new());
         for run in &runs {
-            let table: Table = toml::from_str(run.keys.last().expect("faults")).expect("TOML");
-            let faults = table["faults"].as_array().expect("a list");
+            let faults = run.settings.last().expect("faults").value().as_array().expect("a list");
             counts[faults.len()] += 1;
             for fault in faults {
                 kinds.insert(fault["kind"].to_string());
@@ -350,7 +355,7 @@ bits = [1, 3]
     fn without_faults_and_controllers_there_is_one_run_per_scenario_and_seed() {
         let runs = runs("set = [\"duration_s=2\"]");
         assert_eq!(runs.len(), 2);
-        assert_eq!(runs[0].keys, ["duration_s=2"]);
+        assert_eq!(texts(&runs[0]), ["duration_s=2"]);
         assert_eq!(
             runs[0].repeat("lockstep"),
             "timegap run cacc-a --mode lockstep --seed 1 --set 'duration_s=2'"

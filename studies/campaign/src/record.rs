@@ -3,8 +3,8 @@
 use super::exposure::Struck;
 use frame::batch::{Done, Growth};
 use messages::level::{Level, LevelChange};
-use scenario::Scenario;
 use scenario::faults::{Helper, Kind};
+use scenario::{Scenario, Setting};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use supervise::report::Outcome;
@@ -232,8 +232,8 @@ pub struct Planned {
     pub controller: Option<String>,
     pub fault: String,
     pub seed: u32,
-    /// Keys set, as for `--set`.
-    pub keys: Vec<String>,
+    /// Keys set in it; the last ones are its faults.
+    pub settings: Vec<Setting>,
     /// Requirements beside the scenario's, as for `--require`.
     pub formulas: Vec<String>,
     /// Parameters of an OpenSCENARIO file, as for `--param`.
@@ -249,7 +249,8 @@ impl Planned {
             words.extend(["--controller", controller]);
         }
         words.extend(["--mode", mode, "--seed", &seed]);
-        words.extend(self.keys.iter().flat_map(|key| ["--set", key]));
+        let settings: Vec<String> = self.settings.iter().map(Setting::to_string).collect();
+        words.extend(settings.iter().flat_map(|setting| ["--set", setting]));
         words.extend(self.parameters.iter().flat_map(|parameter| ["--param", parameter]));
         words.extend(self.formulas.iter().flat_map(|formula| ["--require", formula]));
         runtime::command_line(&words)
@@ -257,9 +258,8 @@ impl Planned {
 
     /// The faults of the run in words, each once: kind and target.
     pub fn faults(&self) -> Vec<String> {
-        let keys = self.keys.iter().rev().find(|key| key.starts_with("faults="));
-        let table: toml::Table = keys.and_then(|keys| keys.parse().ok()).unwrap_or_default();
-        let faults = table.get("faults").and_then(toml::Value::as_array);
+        let faults = self.settings.iter().rev().find(|setting| setting.key() == "faults");
+        let faults = faults.and_then(|faults| faults.value().as_array());
         let word = |fault: &toml::Value| {
             let of = |key: &str| fault.get(key).and_then(toml::Value::as_str);
             let words = ["kind", "service", "helper", "topic", "field"].into_iter().filter_map(of);

@@ -7,7 +7,7 @@ use super::file::Campaign;
 use super::jobs::{Targets, job};
 use super::open::open;
 use super::plan::{Plan, plan};
-use super::record::{Planned, Record};
+use super::record::Record;
 use super::sums::Sums;
 use super::verdict::{Scope, Verdict};
 use super::{jobs, launcher_death};
@@ -51,7 +51,7 @@ fn effective(arguments: &CampaignArguments) -> Result<Campaign, Error> {
         campaign.require.entry("max_requirements_broken".to_owned()).or_insert(0.0);
     }
     laws.check()?;
-    campaign.set.extend(laws.keys().iter().chain(set).cloned());
+    campaign.set.extend(laws.settings().into_iter().chain(set.iter().cloned()));
     if !controllers.is_empty() {
         campaign.controllers = batch::laws::named(controllers, &laws.names(), false)?;
     } else if campaign.controllers.is_empty() {
@@ -83,7 +83,7 @@ impl FileCampaign {
         let stride = self.plan.len().div_ceil(MAX_CHECKED).max(1);
         let drawn = (0..self.plan.len()).step_by(stride).map(|place| self.plan.at(place));
         for planned in drawn.chain(self.plan.first_of_cases()) {
-            let scenario = job(&self.campaign, &planned)?.scenario;
+            let scenario = job(&self.campaign, &planned?)?.scenario;
             // Reading of OpenSCENARIO files.
             notices.extend(scenario.notices().map(str::to_owned));
             targets.note(&scenario);
@@ -131,7 +131,7 @@ impl Study for FileCampaign {
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        job(&self.campaign, &self.plan.at(run))
+        job(&self.campaign, &self.plan.at(run)?)
     }
 
     fn is_alone(&self, run: usize) -> Result<bool, Error> {
@@ -143,18 +143,20 @@ impl Study for FileCampaign {
         if !launcher_death::is_planned(&job.scenario) {
             return crew.drive_and_record(self, run, &job);
         }
-        let (planned, mode) = (self.plan.at(run), self.campaign.mode);
+        let (planned, mode) = (self.plan.at(run)?, self.campaign.mode);
         let record = launcher_death::run(&planned, &job.scenario, mode, crew.going_on())?;
         Ok((record, ()))
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
-        let Planned { fault, parameters, .. } = self.plan.at(run);
-        vec![("fault".to_owned(), fault), ("parameters".to_owned(), parameters.join(" "))]
+        // A run with faults that cannot be read does not begin.
+        let planned = self.plan.at(run).map(|run| (run.fault, run.parameters.join(" ")));
+        let (fault, parameters) = planned.unwrap_or_default();
+        vec![("fault".to_owned(), fault), ("parameters".to_owned(), parameters)]
     }
 
     fn record(&self, run: usize, job: &Job, result: Result<Done, Error>) -> Recorded<Self> {
-        Ok((Record::new(&self.plan.at(run), &job.scenario, &result), ()))
+        Ok((Record::new(&self.plan.at(run)?, &job.scenario, &result), ()))
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
@@ -171,10 +173,7 @@ impl Study for FileCampaign {
         let mut verdict = Verdict::new(&self.campaign, &self.plan, scope, exposure, &sums);
         if !verdict.ok {
             let mut blame = Blame::new(&self.plan, self.campaign.mode, verdict.broken_limits());
-            records.each(&mut |_, record| {
-                blame.add(record);
-                Ok(())
-            })?;
+            records.each(&mut |_, record| Ok(blame.add(record)?))?;
             (verdict.failures, verdict.broken) = blame.found();
         }
         Ok(document(&verdict, &sums.all))

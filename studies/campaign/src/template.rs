@@ -5,6 +5,8 @@
 
 use rand_core::Rng;
 use rand_pcg::Pcg64;
+use scenario::Problem;
+use scenario::faults::{self, Fault};
 use supervise::UsageError;
 use toml::{Table, Value};
 
@@ -50,22 +52,23 @@ impl Drawing {
         }
     }
 
-    /// The faults of a run as TOML, by its seed and the random stream of its scenario and drawing.
-    pub fn draw(&self, seed: u32, stream: u128) -> Vec<String> {
+    /// The faults of a run, by its seed and the random stream of its scenario and drawing.
+    pub fn draw(&self, seed: u32, stream: u128) -> Result<Vec<Fault>, UsageError> {
         let mut random = Pcg64::new(seed.into(), stream);
         // The first number of a stream is almost the same for all small seeds.
         random.next_u64();
         match self {
-            Self::None => Vec::new(),
+            Self::None => Ok(Vec::new()),
             Self::One(template) => template.draw(&mut random),
             Self::Mixed { templates, least, most } => {
                 let span = f64::from(most - least + 1);
                 let count = least + (random::uniform(&mut random) * span) as u32;
-                let mut each = |_| {
+                let mut all = Vec::new();
+                for _ in 0..count {
                     let which = random::uniform(&mut random) * templates.len() as f64;
-                    templates[which as usize].draw(&mut random)
-                };
-                (0..count).flat_map(&mut each).collect()
+                    all.extend(templates[which as usize].draw(&mut random)?);
+                }
+                Ok(all)
             }
         }
     }
@@ -126,15 +129,15 @@ impl Template {
         })
     }
 
-    /// As many faults as the template says, as TOML.
-    fn draw(&self, random: &mut Pcg64) -> Vec<String> {
+    /// As many faults as the template says.
+    fn draw(&self, random: &mut Pcg64) -> Result<Vec<Fault>, UsageError> {
         let shared = |key: &str| self.is_together && matches!(key, "at_s" | "when");
         let mut keys = self.keys.clone();
         for (_, value) in keys.iter_mut().filter(|(key, _)| shared(key)) {
             *value = drawn(value, random);
         }
         let mut draw = |_| {
-            let mut pairs = Vec::new();
+            let mut fault = Table::new();
             for (key, value) in &mut keys {
                 let one = if shared(key) { value.clone() } else { drawn(value, random) };
                 if self.is_together
@@ -143,11 +146,16 @@ impl Template {
                 {
                     left.retain(|other| *other != one);
                 }
-                pairs.push(format!("{key} = {one}"));
+                fault.insert(key.clone(), one);
             }
-            format!("{{ {} }}", pairs.join(", "))
+            faults::read(fault).map_err(|problem| self.refuse(&problem))
         };
         (0..self.count).map(&mut draw).collect()
+    }
+
+    fn refuse(&self, Problem { path, message, expected, .. }: &Problem) -> UsageError {
+        let key = path.strip_prefix("fault.").map(|key| format!(", {key}")).unwrap_or_default();
+        UsageError::at(format_args!("faults, {}{key}", self.label), message, expected)
     }
 }
 

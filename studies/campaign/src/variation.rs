@@ -105,7 +105,8 @@ mod tests {
         assert_eq!(campaign.description.as_str(), "two by three");
         let planned = plan(&campaign).expect("a plan");
         assert_eq!(planned.left_out(), 2);
-        let runs: Vec<_> = (0..planned.len()).map(|place| planned.at(place)).collect();
+        let runs: Vec<_> =
+            (0..planned.len()).map(|place| planned.at(place).expect("no faults")).collect();
         let values: Vec<String> = runs.iter().map(|run| run.parameters.join(" ")).collect();
         assert_eq!(values, ["v=10 m=car", "v=10 m=bus", "v=20 m=car", "v=20 m=bus"]);
         let said = runs[1].repeat("lockstep");

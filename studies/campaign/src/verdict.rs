@@ -171,7 +171,7 @@ pub mod tests {
     }
 
     fn planned(plan: &Plan) -> Vec<Planned> {
-        (0..plan.len()).map(|place| plan.at(place)).collect()
+        (0..plan.len()).map(|place| plan.at(place).expect("right faults")).collect()
     }
 
     fn of_records(campaign: &Campaign, plan: &Plan, is_part: bool, records: &[Record]) -> Verdict {
@@ -180,7 +180,7 @@ pub mod tests {
         let scope = Scope { planned: plan.len(), is_part };
         let mut verdict = Verdict::new(campaign, plan, scope, Vec::new(), &sums);
         let mut blame = Blame::new(plan, campaign.mode, verdict.broken_limits());
-        records.iter().for_each(|record| blame.add(record));
+        records.iter().for_each(|record| blame.add(record).expect("right faults"));
         (verdict.failures, verdict.broken) = blame.found();
         verdict
     }
@@ -289,7 +289,7 @@ pub mod tests {
     fn missing_runs_make_no_whole_campaign() {
         let campaign = campaign("max_collisions = 0");
         let plan = plan::plan(&campaign).expect("a plan");
-        let records = [record(&plan.get(0), Outcome::Completed, 1.0, &[])];
+        let records = [record(&plan.get(0).expect("no faults"), Outcome::Completed, 1.0, &[])];
         let verdict = of_records(&campaign, &plan, false, &records);
         assert!(!verdict.ok && verdict.failures.is_empty());
         assert_eq!((verdict.all.counts.runs, verdict.planned, verdict.unaccounted), (1, 4, 3));

@@ -5,13 +5,14 @@
 //!
 //! let delay = Param::parse("runtime.extra_delay_ms=0..20/10").unwrap();
 //! let law = Param::parse("controller.name=acc-mpc,six-mode").unwrap();
-//! assert_eq!(delay.values, ["0", "10", "20"]);
+//! assert_eq!(delay.settings[1].to_string(), "runtime.extra_delay_ms=10");
 //! assert_eq!(grid(&[delay, law]).len(), 6);
 //! ```
 
 use scenario::quantity::Seed;
+use scenario::{Setting, Value};
 use std::fmt::Display;
-use supervise::{ScenarioOptions, UsageError};
+use supervise::{Error, ScenarioOptions, UsageError};
 
 /// Most values of one key.
 const MAX_VALUES: usize = 10_000;
@@ -39,38 +40,42 @@ fn count(values: f64) -> String {
 }
 
 /// A key and the values that it takes.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Param {
-    /// Dotted path of the key.
+    /// Dotted path of the key, as it was typed.
     pub key: String,
-    /// The values as they would follow `--set KEY=`.
-    pub values: Vec<String>,
+    /// The key with each of the values.
+    pub settings: Vec<Setting>,
 }
 
 impl Param {
     /// Reads `KEY=A..B/STEP` or `KEY=a,b,c`, the argument of `--vary`.
-    pub fn parse(argument: &str) -> Result<Self, UsageError> {
+    pub fn parse(argument: &str) -> Result<Self, Error> {
         let refuse = |why: ValuesError| {
             UsageError::option("--vary", argument, why, "KEY=A..B/STEP, KEY=A..B:N or KEY=a,b,c")
         };
         let (key, list) = argument
             .split_once('=')
             .ok_or_else(|| refuse(ValuesError::Other("no `=`".to_owned())))?;
+        let key = key.trim();
         let values = values(list, None).map_err(refuse)?;
-        Ok(Self { key: key.trim().into(), values })
+        let setting = |value: &String| Setting::read("--vary", &format!("{key}={value}"));
+        let settings = values.iter().map(setting).collect::<Result<_, _>>()?;
+        Ok(Self { key: key.to_owned(), settings })
     }
 }
 
 /// Refuses an option that sets a key which the option `by` sweeps.
 pub fn refuse_if_set(by: &str, key: &str, options: &ScenarioOptions) -> Result<(), UsageError> {
+    let shown = |value: &Option<Value>| value.as_ref().map(Value::to_string);
     let by_name = [
-        ("controller.name", "--controller", options.controller.as_ref()),
-        ("duration_s", "--duration", options.duration.as_ref()),
-        ("seed", "--seed", options.seed.as_ref()),
+        ("controller.name", "--controller", options.controller.clone()),
+        ("duration_s", "--duration", shown(&options.duration)),
+        ("seed", "--seed", shown(&options.seed)),
     ];
     let by_name = by_name.into_iter().filter(|(of, ..)| *of == key);
     let by_name = by_name.filter_map(|(_, option, value)| Some(format!("{option} {}", value?)));
-    let of_key = |set: &&String| set.split_once('=').is_some_and(|(of, _)| of.trim() == key);
+    let of_key = |set: &&Setting| set.shown().0 == key;
     let by_set = options.set.iter().filter(of_key).map(|set| format!("--set {set}"));
     match by_name.chain(by_set).next() {
         Some(option) => {
@@ -205,19 +210,13 @@ pub fn seeds(text: &str) -> Result<Vec<Seed>, UsageError> {
     values.into_iter().map(seed).collect()
 }
 
-/// All combinations of the values, the last key's varying fastest, as arguments of `--set`.
-pub fn grid(params: &[Param]) -> Vec<Vec<String>> {
+/// All combinations of the values, the last key's varying fastest.
+pub fn grid(params: &[Param]) -> Vec<Vec<Setting>> {
     params.iter().fold(vec![Vec::new()], |points, param| {
-        points
-            .iter()
-            .flat_map(|point: &Vec<String>| {
-                param.values.iter().map(move |value| {
-                    let mut point = point.clone();
-                    point.push(format!("{}={value}", param.key));
-                    point
-                })
-            })
-            .collect()
+        let with =
+            |point: &Vec<Setting>, setting: &Setting| [&point[..], &[setting.clone()]].concat();
+        let all = |point| param.settings.iter().map(move |setting| with(point, setting));
+        points.iter().flat_map(all).collect()
     })
 }
 
@@ -226,7 +225,8 @@ mod tests {
     use super::*;
 
     fn of(argument: &str) -> Vec<String> {
-        Param::parse(argument).expect("a good argument").values
+        let param = Param::parse(argument).expect("a good argument");
+        param.settings.iter().map(|setting| setting.shown().1).collect()
     }
 
     fn refusal(argument: &str) -> String {
@@ -287,7 +287,7 @@ mod tests {
     fn a_swept_key_that_an_option_sets_too_is_refused() {
         let options = ScenarioOptions {
             controller: Some("acc-mpc".into()),
-            set: vec!["a.b = 3".into()],
+            set: vec!["a.b = 3".parse().expect("KEY=VALUE")],
             ..ScenarioOptions::default()
         };
         for (key, option) in [("controller.name", "--controller acc-mpc"), ("a.b", "--set a.b = 3")]
@@ -303,6 +303,8 @@ mod tests {
     fn a_grid_has_every_combination_once() {
         let params = [Param::parse("a=1,2").expect("good"), Param::parse("b=x,y").expect("good")];
         let grid = grid(&params);
+        let words = |point: &Vec<Setting>| point.iter().map(Setting::to_string).collect::<Vec<_>>();
+        let grid: Vec<Vec<String>> = grid.iter().map(words).collect();
         assert_eq!(grid, [["a=1", "b=x"], ["a=1", "b=y"], ["a=2", "b=x"], ["a=2", "b=y"]]);
     }
 

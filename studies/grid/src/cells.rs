@@ -4,8 +4,8 @@ use frame::batch::{self, Job};
 use report::figures::Values;
 use report::summary::Summary;
 use runtime::Mode;
-use scenario::Scenario;
 use scenario::quantity::Seed;
+use scenario::{Scenario, Setting};
 use supervise::report::Outcome;
 use supervise::{Error, GroupOptions, Opening};
 
@@ -18,8 +18,7 @@ pub struct Cell {
     pub label: String,
     /// Place of its scenario among the grid's.
     pub opening: usize,
-    /// Keys with their values, as arguments of `--set`.
-    pub keys: Vec<String>,
+    pub settings: Vec<Setting>,
 }
 
 /// Cells of a grid, each driven with every seed; the seed varies fastest.
@@ -49,7 +48,7 @@ impl Grid {
 
     pub fn scenario(&self, run: usize) -> Result<Scenario, Error> {
         let cell = self.cell(run);
-        let scenario = self.openings[cell.opening].with("--vary", &cell.keys)?;
+        let scenario = self.openings[cell.opening].with("--vary", &cell.settings)?;
         let seed = self.seeds.get(run % self.seeds()).copied().unwrap_or(scenario.seed);
         Ok(Scenario { seed, ..scenario })
     }
@@ -73,11 +72,7 @@ impl Grid {
     }
 
     pub fn keys(&self, run: usize) -> Vec<(String, String)> {
-        let pair = |setting: &String| {
-            let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
-            (key.to_owned(), value.trim_matches('"').to_owned())
-        };
-        self.cell(run).keys.iter().map(pair).collect()
+        self.cell(run).settings.iter().map(Setting::shown).collect()
     }
 
     /// The row of a run that could not be started.

@@ -216,8 +216,8 @@ fn evaluate(of: &str, at: &Point) -> Vec<Row> {
     let is_fitted = |scene: &str| of == "all" || of == scene || (of, scene) == ("A", "B");
     let scenes = SCENES.iter().filter(|scene| is_fitted(scene.name));
     let runs = scenes.map(|scene| {
-        let keys = cacc::keys(scene, &set, lead_mps2);
-        let driven = cacc::both_laws(scene, &keys, &|name, keys| Driven::alone(name, keys));
+        let set = cacc::settings(scene, &set, lead_mps2);
+        let driven = cacc::both_laws(scene, &set, &|name, set| Driven::alone(name, set));
         (scene, driven.expect("the scenario drives to its end").each_ref().map(Recording::of))
     });
     let runs = Runs(runs.collect());

@@ -15,17 +15,22 @@
 //! cross in green. The set is 250 variants of each scene; `--variants 250` drives all of them.
 
 use super::row::{EXACT, Kind, Row, requirement};
-use super::runner::{Driven, Part, Piece, Runner};
+use super::runner::{Driven, Part, Piece, Runner, printed};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
+use scenario::Setting;
 use supervise::{DriveStep, Error};
 
 const SET: &str = "default law, varied";
 /// Sentence of the paper behind the rows.
 const PURPOSE: &str = "introduction: pass the intersection before green turns red";
 /// Takes the scenes' own spacing, which is the paper's, back to the default.
-const SPACING: [&str; 2] =
-    ["controller.spacing_policy=constant-time-headway", "controller.standstill_distance_m=5"];
+fn spacing() -> [Setting; 2] {
+    [
+        Setting::new("controller.spacing_policy", "constant-time-headway"),
+        Setting::new("controller.standstill_distance_m", 5),
+    ]
+}
 /// Time after the switch within which every drive that does not stop is past its line, s.
 const AFTER_S: f64 = 8.0;
 /// Time to spare before red with which a pass of the blind law must be matched, s.
@@ -90,31 +95,31 @@ impl Scene {
         }
     }
 
-    /// Keys that make the scenario this variant.
-    fn keys(self, variant: &Variant) -> Vec<String> {
-        let Variant { speed_mps: v, switch_s, line_m } = variant;
+    /// Settings that make the scenario this variant.
+    fn settings(self, variant: &Variant) -> Vec<Setting> {
+        let Variant { speed_mps: v, switch_s, line_m } = *variant;
         let of_scene = match self {
             Self::A | Self::B => vec![
-                format!("plant.initial_speed_mps={v}"),
-                format!("actors.0.initial_speed_mps={v}"),
+                Setting::new("plant.initial_speed_mps", v),
+                Setting::new("actors.0.initial_speed_mps", v),
                 // The paper's spacing error, -15 m.
-                format!("actors.0.gap_m={:.2}", 1.5 * v + 27.0),
+                Setting::new("actors.0.gap_m", printed(1.5 * v + 27.0, 2)),
             ],
             Self::C => vec![
-                format!("plant.initial_speed_mps={v}"),
-                format!("actors.0.gap_m={:.2}", line_m - 0.5),
-                format!("actors.0.profile.steps.0.time_s={switch_s}"),
-                format!("actors.0.profile.steps.0.speed_mps={v}"),
+                Setting::new("plant.initial_speed_mps", v),
+                Setting::new("actors.0.gap_m", printed(line_m - 0.5, 2)),
+                Setting::new("actors.0.profile.steps.0.time_s", switch_s),
+                Setting::new("actors.0.profile.steps.0.speed_mps", v),
             ],
             Self::Table3 => vec![
-                format!("set_speed_mps={v}"),
-                format!("actors.0.profile.steps.0.speed_mps={:.2}", 0.75 * v),
+                Setting::new("set_speed_mps", v),
+                Setting::new("actors.0.profile.steps.0.speed_mps", printed(0.75 * v, 2)),
             ],
         };
         let of_all = [
-            format!("v2x.signals.0.stop_line_m={line_m}"),
-            format!("v2x.signals.0.program.0.duration_s={switch_s}"),
-            format!("duration_s={:.2}", switch_s + AFTER_S),
+            Setting::new("v2x.signals.0.stop_line_m", line_m),
+            Setting::new("v2x.signals.0.program.0.duration_s", switch_s),
+            Setting::new("duration_s", printed(switch_s + AFTER_S, 2)),
         ];
         of_scene.into_iter().chain(of_all).collect()
     }
@@ -204,16 +209,15 @@ fn of_scene(runner: &Runner<'_>, scene: Scene, variants: u32) -> Result<Vec<Row>
 }
 
 fn drive(runner: &Runner<'_>, scene: Scene, variant: &Variant) -> Result<Crossings, Error> {
-    let keys = scene.keys(variant);
-    let crossing = |law: &str, spacing: &[&str]| {
-        let law = format!("controller.name={law}");
-        let keys = keys.iter().map(String::as_str).chain([law.as_str()]);
-        let keys: Vec<_> = keys.chain(spacing.iter().copied()).collect();
-        Ok::<_, Error>(crossing_s(&runner.drive(scene.names().1, &keys)?, variant.line_m))
+    let of_variant = scene.settings(variant);
+    let crossing = |law: &str, spacing: &[Setting]| {
+        let law = [Setting::new("controller.name", law)];
+        let set = [&of_variant[..], &law, spacing].concat();
+        Ok::<_, Error>(crossing_s(&runner.drive(scene.names().1, &set)?, variant.line_m))
     };
     Ok(Crossings {
-        acc: crossing("acc-mpc", &SPACING)?,
-        cacc: crossing("cacc-mpc", &SPACING)?,
+        acc: crossing("acc-mpc", &spacing())?,
+        cacc: crossing("cacc-mpc", &spacing())?,
         printed_acc: crossing("acc-mpc", &[])?,
         printed_cacc: crossing("cacc-mpc", &[])?,
     })

@@ -6,7 +6,7 @@ use frame::{Crew, batch};
 use report::RunPicture;
 use report::chart::Plot;
 use report::summary::Summary;
-use scenario::Scenario;
+use scenario::{Scenario, Setting};
 use std::cell::Cell;
 use std::sync::Arc;
 use supervise::{Drive, DriveStep, Error, GroupOptions, ScenarioOptions};
@@ -51,12 +51,13 @@ impl Piece {
 }
 
 /// The keys of a piece's drive: its number in the piece, and the keys that it sets.
-pub fn keys(paper: &str, piece: &str, drive: usize, set: &[&str]) -> Vec<(String, String)> {
+pub fn keys(paper: &str, piece: &str, drive: usize, set: &[Setting]) -> Vec<(String, String)> {
+    let words = set.iter().map(Setting::shown).map(|(key, value)| format!("{key}={value}"));
     let keys = [
         ("paper", paper.to_owned()),
         ("piece", piece.to_owned()),
         ("drive", drive.to_string()),
-        ("set", set.join(" ")),
+        ("set", words.collect::<Vec<_>>().join(" ")),
     ];
     keys.map(|(name, value)| (name.to_owned(), value)).to_vec()
 }
@@ -83,15 +84,15 @@ impl<'a> Runner<'a> {
         Self { crew, run, names, drives: Cell::default(), driver_spread_mps }
     }
 
-    /// Drives a built-in scenario with these keys set.
-    pub fn drive(&self, name: &str, keys: &[&str]) -> Result<Driven, Error> {
-        let job = Job::lockstep(open(name, keys)?);
+    /// Drives a built-in scenario with these settings.
+    pub fn drive(&self, name: &str, set: &[Setting]) -> Result<Driven, Error> {
+        let job = Job::lockstep(open(name, set)?);
         let done = self.crew.drive(self.run, &job)?;
         let scenario = job.scenario;
         batch::whole(&done.summary)?;
         self.drives.set(self.drives.get() + 1);
         let (paper, piece) = self.names;
-        let keys = self::keys(paper, piece, self.drives.get(), keys);
+        let keys = self::keys(paper, piece, self.drives.get(), set);
         self.crew.observe(self.run, &keys, &scenario, &done);
         Ok(Driven::of(scenario, done))
     }
@@ -108,10 +109,10 @@ pub struct Driven {
 }
 
 impl Driven {
-    /// Drives a built-in scenario with these keys set, in this thread.
-    pub fn alone(name: &str, keys: &[&str]) -> Result<Self, Error> {
+    /// Drives a built-in scenario with these settings, in this thread.
+    pub fn alone(name: &str, set: &[Setting]) -> Result<Self, Error> {
         let group = GroupOptions { programs: Vec::new(), ready_timeout: 10.0, processes: false };
-        let scenario = open(name, keys)?;
+        let scenario = open(name, set)?;
         let done = batch::lockstep(&scenario, &group, &|| true)?;
         batch::whole(&done.summary)?;
         Ok(Self::of(scenario, done))
@@ -142,9 +143,14 @@ impl Driven {
     }
 }
 
-pub(crate) fn open(name: &str, keys: &[&str]) -> Result<Scenario, Error> {
-    let set = keys.iter().map(ToString::to_string).collect();
+pub(crate) fn open(name: &str, set: &[Setting]) -> Result<Scenario, Error> {
+    let set = set.to_vec();
     supervise::open(name, &ScenarioOptions { set, ..ScenarioOptions::default() })
+}
+
+/// A number with the digits that it has when it is printed with these decimals.
+pub(crate) fn printed(number: f64, decimals: usize) -> f64 {
+    format!("{number:.decimals$}").parse().expect("it was a number")
 }
 
 /// Pictures of a paper, for its page.

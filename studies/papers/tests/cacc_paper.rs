@@ -2,6 +2,7 @@
 
 use papers::cacc::{self, Calibration, PRINTED, Recording, Runs, SCENES, Scene, Set};
 use papers::runner::Driven;
+use scenario::Setting;
 
 macro_rules! reference {
     ($name:literal) => {
@@ -10,8 +11,8 @@ macro_rules! reference {
 }
 
 /// ACC and CACC in the scene.
-fn drive(scene: &Scene, keys: &[String]) -> [Recording; 2] {
-    let driven = cacc::both_laws(scene, keys, &|name, keys| Driven::alone(name, keys));
+fn drive(scene: &Scene, set: &[Setting]) -> [Recording; 2] {
+    let driven = cacc::both_laws(scene, set, &|name, set| Driven::alone(name, set));
     driven.expect("the scenario drives to its end").each_ref().map(Recording::of)
 }
 
@@ -80,7 +81,7 @@ fn table_3_agrees_as_far_as_the_reference_solved_it() {
 #[test]
 fn clarabel_drives_scenario_a_as_riccati_does() {
     let [_, ours] = drive(&SCENES[0], &[]);
-    let [_, other] = drive(&SCENES[0], &["controller.solver=clarabel".to_owned()]);
+    let [_, other] = drive(&SCENES[0], &[Setting::new("controller.solver", "clarabel")]);
     for (a, b) in ours.request_mps2.iter().zip(&other.request_mps2) {
         assert!((a - b).abs() < 1e-3, "{a} {b}");
     }
@@ -88,7 +89,7 @@ fn clarabel_drives_scenario_a_as_riccati_does() {
 
 /// Ids of the printed numbers outside their tolerance.
 fn failed_rows(set: Set, kind: Calibration) -> Vec<&'static str> {
-    let runs = SCENES.iter().map(|scene| (scene, drive(scene, &set.keys(scene))));
+    let runs = SCENES.iter().map(|scene| (scene, drive(scene, &set.settings(scene))));
     let runs = Runs(runs.collect());
     let failed = PRINTED.iter().filter(|figure| !figure.row(&runs, kind).ok);
     failed.map(|figure| figure.id).collect()

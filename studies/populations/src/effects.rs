@@ -9,6 +9,7 @@ use controller::plausibility::radar::LIMITS;
 use frame::batch;
 use parameters::effect::{Change, Figure, line, print_by_processes};
 use report::figures::compared;
+use scenario::Setting;
 use scenario::schema::{Key, Shape};
 use serde_json::{Map, Value};
 use supervise::{Error, GroupOptions, UsageError};
@@ -59,7 +60,7 @@ fn of_law<P: Population>(
         let mut tried = Vec::new();
         for factors in [[0.5, 0.8], [2.0, 1.25]] {
             for value in factors.map(|factor| (value * factor * 1e6).round() / 1e6) {
-                test.options.set.push(format!("{path}={value:?}"));
+                test.options.set.push(Setting::new(&path, value));
                 let changed = figures(test, group);
                 test.options.set.pop();
                 if let Ok(changed) = changed {

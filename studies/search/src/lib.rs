@@ -79,7 +79,8 @@ impl SearchArguments {
         match &self.scenario_options.seed {
             Some(seed) => {
                 let expected = "a whole number without a sign";
-                seed.parse().map_err(|_| UsageError::option("--seed", seed, "no seed", expected))
+                let number = seed.as_integer().and_then(|seed| seed.try_into().ok());
+                number.ok_or_else(|| UsageError::option("--seed", seed, "no seed", expected))
             }
             None => Ok(1),
         }

@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 
 use clap::Args;
 use runtime::Mode;
+use scenario::Setting;
 use serde::{Deserialize, Serialize};
 use supervise::{Error, GroupOptions, ScenarioOptions, UsageError};
 
@@ -101,9 +102,9 @@ impl Task {
         let mut shared = arguments.scenario_options.clone();
         shared.require.retain(|requirement| requirement.trim() != STABILITY);
         let requires_stability = shared.require.len() < arguments.scenario_options.require.len();
-        let open = |law: &Option<String>, keys: &[String]| {
+        let open = |law: &Option<String>, settings: &[Setting]| {
             let options = ScenarioOptions { controller: law.clone(), ..shared.clone() };
-            let scenario = supervise::open_with(&arguments.scenario, &options, "--vary", keys)?;
+            let scenario = supervise::open_with(&arguments.scenario, &options, "--vary", settings)?;
             batch::check(&scenario, Mode::Lockstep, group)?;
             Ok::<_, Error>(scenario)
         };
@@ -143,8 +144,8 @@ impl Task {
                 let mut swept = Vec::new();
                 for law in distinct {
                     let mut plans = Vec::new();
-                    for value in &param.values {
-                        let scenario = open(law, &[format!("{}={value}", param.key)])?;
+                    for setting in &param.settings {
+                        let scenario = open(law, std::slice::from_ref(setting))?;
                         plans.push(Plan { laws: vec![scenario], vehicles: 1, wave: None });
                     }
                     let controller = plans[0].laws[0].controller.name.as_str().to_owned();
@@ -163,7 +164,8 @@ impl Task {
 
     /// Runs in all: one for each car of each string.
     pub fn runs(&self) -> usize {
-        let swept = self.sweep.as_ref().map_or(0, |(param, laws)| param.values.len() * laws.len());
+        let swept =
+            self.sweep.as_ref().map_or(0, |(param, laws)| param.settings.len() * laws.len());
         self.plan.vehicles * (1 + self.frequencies.len()) + swept * self.sweep_frequencies.len()
     }
 }

@@ -17,7 +17,7 @@ const TRACE_POINTS: usize = 400;
 /// ```
 /// use string::CarByCar;
 ///
-/// let options = supervise::ScenarioOptions { duration: Some("3".into()), ..Default::default() };
+/// let options = supervise::ScenarioOptions { duration: Some(3.into()), ..Default::default() };
 /// let laws = vec![supervise::open("following", &options).expect("built in")];
 /// let mut string = CarByCar::new(laws, 2);
 /// while let Some(scenario) = string.next().expect("a short string") {

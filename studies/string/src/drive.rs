@@ -47,11 +47,11 @@ impl Study for Strings {
             labels.push([hz.to_string(), String::new()]);
         }
         if let Some((param, laws)) = &task.sweep {
-            let plans = laws.iter().flat_map(|law| law.plans.iter().zip(&param.values));
-            for (plan, value) in plans {
+            let plans = laws.iter().flat_map(|law| law.plans.iter().zip(&param.settings));
+            for (plan, setting) in plans {
                 for &hz in &task.sweep_frequencies {
                     strings.push(plan.behind_wave(hz)?);
-                    labels.push([hz.to_string(), value.clone()]);
+                    labels.push([hz.to_string(), setting.shown().1]);
                 }
             }
         }
@@ -96,10 +96,10 @@ impl Study for Strings {
         if let Some((param, laws)) = &task.sweep {
             for law in laws {
                 let mut points = Vec::new();
-                for value in &param.values {
+                for setting in &param.settings {
                     let curve = task.sweep_frequencies.iter();
                     let curve = curve.map(|&hz| wave::response(hz, &next())).collect();
-                    points.push(Point::new(value, curve));
+                    points.push(Point::new(&setting.shown().1, curve));
                 }
                 limits.push(Limits::new(&law.controller, &param.key, points));
             }

@@ -135,7 +135,7 @@ fn transfer(gains: Gains, tau_s: f64, period_s: f64, hz: f64) -> f64 {
 fn the_measured_gain_is_that_of_the_closed_loop() {
     let options = ScenarioOptions {
         controller: Some("acc-mpc".into()),
-        set: vec!["perception.ideal=true".into()],
+        set: vec![scenario::Setting::new("perception.ideal", true)],
         ..ScenarioOptions::default()
     };
     let scenario = supervise::open("following", &options).expect("a built-in scenario");

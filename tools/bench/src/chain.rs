@@ -7,6 +7,7 @@ use super::statistics::Events;
 use report::summary::{self, Summary, Timing};
 use runtime::Mode;
 use runtime::statistics::Latencies;
+use scenario::Setting;
 use std::time::{Duration, Instant};
 use supervise::{Ended, Error, GroupOptions, ScenarioOptions};
 
@@ -76,26 +77,27 @@ pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
 }
 
 fn options(stage: &Stage, cell: &Cell, seconds: f64) -> ScenarioOptions {
-    let period_ms = cell.period_us / 1000;
+    let period_ms = cell.period_us as i64 / 1000;
     let scheduling = cell.conditions.scheduling.name();
     // Radar and plant are released at the same instants: on one core one waits for the other.
     let (radar, controller) = stage.placed(cell.conditions.placement);
+    let [radar, controller] = [radar, controller].map(|core| core as i64);
     ScenarioOptions {
-        duration: Some(seconds.to_string()),
+        duration: Some(seconds.into()),
         set: vec![
             // The plant must read commands as often as the fastest controller sends them.
-            "plant.period_ms=1".into(),
-            format!("perception.period_ms={period_ms}"),
-            format!("controller.period_ms={period_ms}"),
-            format!("controller.prediction_step_ms={PREDICTION_STEP_MS}"),
+            Setting::new("plant.period_ms", 1),
+            Setting::new("perception.period_ms", period_ms),
+            Setting::new("controller.period_ms", period_ms),
+            Setting::new("controller.prediction_step_ms", PREDICTION_STEP_MS),
             // A service without the processor for a while is a figure here, not a fault.
-            "supervision.restart=never".into(),
-            "supervision.heartbeat_timeout_ms=10000".into(),
-            format!("runtime.scheduling={scheduling}"),
-            format!("runtime.services.plant.core={controller}"),
-            format!("runtime.services.perception-sim.core={radar}"),
-            format!("runtime.services.v2x-sim.core={radar}"),
-            format!("runtime.services.controller.core={controller}"),
+            Setting::new("supervision.restart", "never"),
+            Setting::new("supervision.heartbeat_timeout_ms", 10_000),
+            Setting::new("runtime.scheduling", scheduling),
+            Setting::new("runtime.services.plant.core", controller),
+            Setting::new("runtime.services.perception-sim.core", radar),
+            Setting::new("runtime.services.v2x-sim.core", radar),
+            Setting::new("runtime.services.controller.core", controller),
         ],
         ..ScenarioOptions::default()
     }

@@ -97,7 +97,7 @@ pub enum Advance {
 ///     if q.has_target == 1 { free.min(follow) } else { free }
 /// }
 ///
-/// let options = supervise::ScenarioOptions { duration: Some("5".into()), ..Default::default() };
+/// let options = supervise::ScenarioOptions { duration: Some(5.into()), ..Default::default() };
 /// let scenario = supervise::open("following", &options).expect("built in");
 /// let questions = Questions::default();
 /// let mut run = SteppedRun::begin(&scenario, Sealing::Unsealed, Some(questions.clone()))?;

@@ -8,7 +8,7 @@ use controller::laws;
 use openscenario::{Assignment, Choices, LaneHeadings};
 use runtime::Mode;
 use scenario::radio::Radio;
-use scenario::{Overrides, Scenario, Source};
+use scenario::{Overrides, Scenario, Setting, Source};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -17,14 +17,14 @@ pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
     open_with(name, options, "--set", &[])
 }
 
-/// The same with more keys set, on behalf of the option that errors name.
+/// The same with more settings, on behalf of the option that errors name.
 pub fn open_with(
     name: &str,
     options: &ScenarioOptions,
-    option: &str,
-    keys: &[String],
+    option: &'static str,
+    settings: &[Setting],
 ) -> Result<Scenario, Error> {
-    Opening::of(name, options)?.with(option, keys)
+    Opening::of(name, options)?.with(option, settings)
 }
 
 /// A scenario's file with the options, to be opened many times with other keys: it is read and parsed once.
@@ -49,26 +49,26 @@ impl Opening {
         let mut overrides = if options.is_for_one_law { overrides } else { overrides.shared() };
         let names = &options.names;
         options.laws.check()?;
-        options.laws.keys().iter().try_for_each(|key| overrides.set_by(names.law, key))?;
+        options.laws.lay_over(names.law, &mut overrides);
         match (&options.controller, options.laws.only()) {
             (Some(controller), _) => {
-                overrides.option(names.controller, "controller.name", controller)
+                overrides.option(names.controller, "controller.name", controller.as_str())
             }
             // The only law of the user's that was named is meant.
             (None, Some(law)) => overrides.option(names.law, "controller.name", law),
             (None, None) => {}
         }
         if let Some(seed) = &options.seed {
-            overrides.option(names.seed, "seed", seed);
+            overrides.option(names.seed, "seed", seed.clone());
         }
         if let Some(duration) = &options.duration {
-            overrides.option(names.duration, "duration_s", duration);
+            overrides.option(names.duration, "duration_s", duration.clone());
         }
-        for argument in &options.set {
-            overrides.set_by(names.set, argument)?;
+        for setting in &options.set {
+            overrides.set_by(names.set, setting.clone());
         }
         if let Some(radio) = &options.radio {
-            overrides.option("--radio", "v2x.radio", &from_here(radio));
+            overrides.option("--radio", "v2x.radio", from_here(radio));
         }
         let parameters = options.parameters.iter().map(|argument| assignment(argument));
         let assigned = parameters.collect::<Result<Vec<_>, _>>()?;
@@ -95,12 +95,12 @@ impl Opening {
         Ok(Self { file, options: options.clone(), overrides })
     }
 
-    /// The scenario with more keys set, on behalf of the option that errors name.
-    pub fn with(&self, option: &str, keys: &[String]) -> Result<Scenario, Error> {
+    /// The scenario with more settings, on behalf of the option that errors name.
+    pub fn with(&self, option: &'static str, settings: &[Setting]) -> Result<Scenario, Error> {
         let Self { file, options, overrides } = self;
         let mut overrides = overrides.clone();
-        for argument in keys {
-            overrides.set_by(option, argument)?;
+        for setting in settings {
+            overrides.set_by(option, setting.clone());
         }
         let check = |scenario: &Scenario| {
             let reads = laws::check(scenario)?;

@@ -47,7 +47,7 @@ fn open(law: &str, variant: &[&str], key: Option<&str>) -> Option<Scenario> {
     let mut overrides = Overrides::new().shared();
     overrides.option("--controller", "controller.name", law);
     for argument in variant.iter().copied().chain(key) {
-        overrides.set(argument).expect("KEY=VALUE");
+        overrides.set(argument.parse().expect("KEY=VALUE"));
     }
     let text = "schema_version = 1\nname = \"keys\"\n";
     Scenario::parse_with("keys", text, &overrides, &laws::check).ok()
@@ -240,7 +240,7 @@ fn opened(set: &[&str], law: Option<&str>, is_shared: bool) -> Result<Vec<String
     if let Some(law) = law {
         overrides.option("--controller", "controller.name", law);
     }
-    set.iter().for_each(|argument| overrides.set(argument).expect("KEY=VALUE"));
+    set.iter().for_each(|argument| overrides.set(argument.parse().expect("KEY=VALUE")));
     let opened = Scenario::open("cacc-a", &overrides, &laws::check);
     opened.map(|scenario| scenario.notes).map_err(|error| error.to_string())
 }

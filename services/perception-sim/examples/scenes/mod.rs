@@ -75,7 +75,7 @@ pub fn scene(seed: u32, keys: &[&str]) -> Scenario {
             Some(key) => key.to_owned(),
             None => format!("perception.radar.detections.{key}"),
         };
-        overrides.set(&key).unwrap_or_else(|error| panic!("{error}"));
+        overrides.set(key.parse().unwrap_or_else(|error| panic!("{error}")));
     }
     let scenario = Scenario::parse_with("scene", &text, &overrides, &|_| Ok(Default::default()));
     scenario.unwrap_or_else(|error| panic!("{error}"))

@@ -10,7 +10,7 @@ const PERIOD_NS: u64 = 50_000_000;
 fn scenario(name: &str, keys: &[&str]) -> Scenario {
     let mut overrides = Overrides::new();
     for key in keys {
-        overrides.set(key).unwrap_or_else(|error| panic!("{error}"));
+        overrides.set(key.parse().unwrap_or_else(|error| panic!("{error}")));
     }
     Scenario::open(name, &overrides, &|_| Ok(Default::default()))
         .unwrap_or_else(|error| panic!("{error}"))

@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn a_key_of_a_law_can_be_set_and_swept() {
         let mut overrides = Overrides::new();
-        overrides.set("laws.gentle.env.GAIN=0.5").expect("a key");
+        overrides.set("laws.gentle.env.GAIN=0.5".parse().expect("a key"));
         let text = format!("{TEXT}command = [\"law\"]\n");
         let all = |_: &Scenario| Ok(crate::Reads::everything());
         let scenario = Scenario::parse_with("mine.toml", &text, &overrides, &all).expect("a law");

@@ -172,9 +172,9 @@ mod tests {
             gain in -1e300..1e300f64,
         ) {
             let mut overrides = Overrides::new();
-            overrides.option("--speed", "set_speed_mps", &format!("{speed:?}"));
-            overrides.option("--seed", "seed", &seed.to_string());
-            overrides.option("--gain", "controller.mine.gain", &format!("{gain:?}"));
+            overrides.option("--speed", "set_speed_mps", speed);
+            overrides.option("--seed", "seed", seed);
+            overrides.option("--gain", "controller.mine.gain", gain);
             let scenario = Scenario::open(name, &overrides, &everything).expect(name);
             let again = Scenario::from_bytes(&scenario.to_bytes()).expect(name);
             prop_assert_eq!(again.set_speed_mps.value().to_bits(), speed.to_bits());

@@ -12,8 +12,9 @@ use toml::{Spanned, Table, Value};
 use super::error::ScenarioError;
 use super::foreign::Foreign;
 use super::form::{below, child};
-use super::overrides::{Override, Overrides};
+use super::overrides::{Overrides, Shown};
 use super::problem::Problem;
+use super::setting::spanned;
 use super::typed;
 
 /// First line of a scenario that a run keeps.
@@ -41,9 +42,9 @@ enum Origin<'a> {
 }
 
 /// Place of a value, or of the nearest table above it.
-struct Place<'o> {
+struct Place {
     /// The option that set the value; none if the file did.
-    option: Option<&'o str>,
+    option: Option<String>,
     /// Steps of the path that lead to it.
     steps: usize,
     key: Option<Range<usize>>,
@@ -131,11 +132,7 @@ impl<'a> Document<'a> {
     /// True if the key was set on the command line.
     pub(crate) fn is_set(&self, path: &str) -> bool {
         let steps: Vec<&str> = path.split('.').collect();
-        let sets = |option: &Override| {
-            let below = option.below(&steps)?;
-            Some(follow(&option.spanned().ok()?, below).0 == below.len())
-        };
-        self.has(path) && self.overrides.iter().any(|option| sets(option) == Some(true))
+        self.has(path) && self.overrides.iter().any(|one| one.sets(&steps))
     }
 
     /// True if a run has kept the text.
@@ -165,7 +162,7 @@ impl<'a> Document<'a> {
 
     /// The error for a problem, at its key's value or at the nearest table above it that exists.
     pub(crate) fn error(&self, problem: &Problem) -> ScenarioError {
-        let is_whole = |path: &str, place: &Place<'_>| place.steps == path.split('.').count();
+        let is_whole = |path: &str, place: &Place| place.steps == path.split('.').count();
         let (mut path, mut place) = (problem.path.as_str(), self.place(&problem.path));
         if let Some(other) = &problem.against {
             let instead = self.place(other);
@@ -175,7 +172,7 @@ impl<'a> Document<'a> {
             }
         }
         let span = place.key.filter(|_| problem.is_of_key).unwrap_or(place.value);
-        let error = match (place.option, self.origin) {
+        let error = match (&place.option, self.origin) {
             (Some(option), _) => ScenarioError::in_option(option, span, &problem.message),
             (None, Origin::Text { source, text }) => {
                 ScenarioError::at(source, text, span, &problem.message)
@@ -187,7 +184,7 @@ impl<'a> Document<'a> {
     }
 
     /// The place of a value. An option that sets it or a table around it replaces what stood there before.
-    fn place(&self, path: &str) -> Place<'_> {
+    fn place(&self, path: &str) -> Place {
         let path: Vec<&str> = path.split('.').filter(|step| !step.is_empty()).collect();
         let (steps, key, value) = match self.origin {
             Origin::Text { text, .. } => DeTable::parse(text).map_or((0, None, 0..0), |root| {
@@ -199,22 +196,25 @@ impl<'a> Document<'a> {
         };
         let mut found = Place { option: None, steps, key, value };
         for option in self.overrides.iter() {
-            let own = option.path();
-            let common =
-                own.iter().zip(&path).take_while(|((name, _), step)| name == *step).count();
-            let at_key = common.checked_sub(1).map_or(0..0, |last| own[last].1.clone());
-            if let (Some(below), Ok(set)) = (option.below(&path), option.spanned()) {
-                let shifted = |span: Range<usize>| {
-                    span.start + option.value_start()..span.end + option.value_start()
-                };
+            let names = option.path().iter().zip(&path);
+            let common = names.take_while(|(name, step)| name == *step).count();
+            let below = option.below(&path);
+            if below.is_none() && common <= found.steps {
+                continue;
+            }
+            let Shown { text, path: places, value_start } = option.shown();
+            let at_key = common.checked_sub(1).and_then(|last| places.get(last).cloned());
+            let at_key = at_key.unwrap_or_default();
+            if let (Some(below), Ok(set)) = (below, spanned(&text[value_start..])) {
+                let shifted = |span: Range<usize>| span.start + value_start..span.end + value_start;
                 let (steps, key, value) = follow(&set, below);
                 let (key, value) = (key.map_or(at_key, shifted), shifted(value));
                 let steps = common + steps;
-                found = Place { option: Some(option.option()), steps, key: Some(key), value };
+                found = Place { option: Some(text), steps, key: Some(key), value };
             } else if common > found.steps {
                 // The option made this table on its way.
                 let (key, value) = (Some(at_key.clone()), at_key);
-                found = Place { option: Some(option.option()), steps: common, key, value };
+                found = Place { option: Some(text), steps: common, key, value };
             }
         }
         found

@@ -150,7 +150,7 @@ mod tests {
         let up = "../".repeat(here.components().count());
         let relative = format!("{up}{}", directory.join("road.csv").display());
         let mut overrides = Overrides::new();
-        overrides.set(&format!("road={{csv=\"{relative}\"}}")).expect("an option");
+        overrides.set(crate::Setting::new("road", crate::table! { csv: relative }));
         let opened = Scenario::open("truck-hills", &overrides, &|_| Ok(Default::default()))
             .expect("a scenario");
         let Heights::Csv { points, .. } = &opened.road.heights else { panic!("{:?}", opened.road) };
@@ -159,7 +159,7 @@ mod tests {
         let other = opened.to_toml().replace("400.0", "500.0");
         std::fs::write(&kept, other).expect("writable");
         let mut overrides = Overrides::new();
-        overrides.set("road.csv=road.csv").expect("an option");
+        overrides.set("road.csv=road.csv".parse().expect("a setting"));
         let again =
             Scenario::open(&kept.to_string_lossy(), &overrides, &|_| Ok(Default::default()));
         let again = again.expect("a scenario").road.heights;
@@ -169,9 +169,8 @@ mod tests {
             .expect("writable");
         let lead = format!("{up}{}", directory.join("lead.csv").display());
         let mut overrides = Overrides::new();
-        overrides
-            .set(&format!("actors[0].profile={{csv={{file=\"{lead}\"}}}}"))
-            .expect("an option");
+        let csv = crate::table! { csv: crate::table! { file: lead } };
+        overrides.set(crate::Setting::new("actors[0].profile", csv));
         let driven = Scenario::open("following", &overrides, &|_| Ok(Default::default()))
             .expect("a scenario");
         assert_eq!(driven.actors[0].profile.points().map(<[_]>::len), Some(2));

@@ -19,6 +19,7 @@ mod overrides;
 mod problem;
 mod reads;
 mod refusal;
+mod setting;
 mod typed;
 
 pub(crate) mod csv;
@@ -34,6 +35,7 @@ pub use overrides::Overrides;
 pub use problem::Problem;
 pub use reads::Reads;
 pub use refusal::Refusal;
+pub use setting::{Setting, option_value};
 
 pub(crate) use document::{Document, KEPT};
 pub(crate) use foreign::Foreign;

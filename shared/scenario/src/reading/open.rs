@@ -188,8 +188,8 @@ impl Scenario {
 /// let check = |_: &Scenario| Ok(Reads::everything());
 /// for seed in [1, 2] {
 ///     let mut overrides = Overrides::new();
-///     overrides.option("--seed", "seed", &seed.to_string());
-///     assert_eq!(source.open(&overrides, &check)?.seed.value(), seed);
+///     overrides.option("--seed", "seed", seed);
+///     assert_eq!(source.open(&overrides, &check)?.seed.value(), seed as u64);
 /// }
 /// # Ok::<(), scenario::ScenarioError>(())
 /// ```

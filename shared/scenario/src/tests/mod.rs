@@ -29,7 +29,7 @@ fn build(
 fn open(text: &str, arguments: &[&str]) -> Result<Scenario, ScenarioError> {
     let mut overrides = Overrides::new();
     for argument in arguments {
-        overrides.set(argument)?;
+        overrides.set(argument.parse()?);
     }
     build(text, &overrides, &|_| Ok(Default::default()))
 }

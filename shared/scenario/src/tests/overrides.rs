@@ -129,7 +129,7 @@ fn a_laws_table_keeps_its_places_also_on_the_command_line() {
     let text = format!("{SHORT}[controller.mine]\ngain_per_s = 1\n");
     let shown = |text: &str, argument: &str| {
         let mut overrides = Overrides::new();
-        overrides.set(argument).expect("KEY=VALUE");
+        overrides.set(argument.parse().expect("KEY=VALUE"));
         build(text, &overrides, &read).map_err(|error| error.to_string())
     };
     assert!(shown(&text, "seed=1").is_ok());

@@ -400,7 +400,7 @@ mod tests {
     fn an_option_that_leaves_no_actors_is_named() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario/cut_in.xosc");
         let mut overrides = crate::Overrides::new();
-        overrides.set("actors=[]").expect("an option");
+        overrides.set("actors=[]".parse().expect("an option"));
         let choices = Choices::default();
         let said = Scenario::open_openscenario(Path::new(path), &choices, &overrides, &|_| {
             Ok(Default::default())

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use controller::laws;
-use scenario::{Overrides, Scenario};
+use scenario::{Overrides, Scenario, Setting};
 use serde::{Deserialize, Serialize};
 use supervise::{Error, LawOptions, UsageError};
 
@@ -17,7 +17,7 @@ pub struct DriveOptions {
     pub laws: LawOptions,
     /// Change a key of every scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    pub set: Vec<Setting>,
     /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/search.md)
     #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
@@ -35,8 +35,8 @@ impl DriveOptions {
     /// The scenario of a text with these options.
     pub fn parse(&self, name: &str, text: &str) -> Result<Scenario, Error> {
         let mut overrides = Overrides::new().shared();
-        self.laws.lay_over(&mut overrides)?;
-        self.set.iter().try_for_each(|key| overrides.set(key))?;
+        self.laws.lay_over("--law", &mut overrides);
+        self.set.iter().cloned().for_each(|setting| overrides.set(setting));
         let mut scenario = Scenario::parse_with(name, text, &overrides, &laws::check)?;
         scenario.require.formulas.extend_from_slice(&self.require);
         supervise::requirements(&scenario)?;
@@ -45,12 +45,9 @@ impl DriveOptions {
 
     /// The options as words of a command line, without the laws that drive.
     pub fn words(&self) -> Vec<String> {
-        let option = |name: &'static str, values: &[String]| {
-            values.iter().flat_map(|value| [name.to_owned(), value.clone()]).collect()
-        };
-        let (set, require): (Vec<_>, Vec<_>) =
-            (option("--set", &self.set), option("--require", &self.require));
-        [self.laws.words(), set, require].concat()
+        let set = self.set.iter().flat_map(|setting| ["--set".to_owned(), setting.to_string()]);
+        let require = self.require.iter().flat_map(|one| ["--require".to_owned(), one.clone()]);
+        self.laws.words().into_iter().chain(set).chain(require).collect()
     }
 }
 

@@ -152,9 +152,10 @@ impl Study for Laws {
                 if arguments.seeds.is_some() {
                     param::refuse_if_set("--seeds", "seed", &options)?;
                 }
-                let (label, opening, keys) = (argument.clone(), grid.openings.len(), Vec::new());
+                let (label, opening, settings) =
+                    (argument.clone(), grid.openings.len(), Vec::new());
                 grid.openings.push(Opening::of(argument, &options)?);
-                grid.cells.push(Cell { label, opening, keys });
+                grid.cells.push(Cell { label, opening, settings });
             }
         }
         let mut names: Vec<(String, String)> = Vec::new();

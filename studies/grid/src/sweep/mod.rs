@@ -82,14 +82,14 @@ impl Study for Points {
         let scenario = arguments.scenario.clone();
         let params = params(arguments)?;
         let seeds = arguments.seeds.as_deref().map(param::seeds).transpose()?.unwrap_or_default();
-        let values = params.iter().map(|param| param.values.len());
+        let values = params.iter().map(|param| param.settings.len());
         let runs = values.chain([seeds.len().max(1)]).try_fold(1, usize::checked_mul);
         if runs.is_none_or(|runs| runs > MAX_RUNS) {
             let expected = format_args!("at most {MAX_RUNS} runs");
             return Err(UsageError::at("the grid", "it has more runs", expected).into());
         }
         let label = scenario.clone();
-        let cell = |keys| Cell { label: label.clone(), opening: 0, keys };
+        let cell = |settings| Cell { label: label.clone(), opening: 0, settings };
         let cells = param::grid(&params).into_iter().map(cell).collect();
         let openings = vec![Opening::of(&scenario, &arguments.scenario_options)?];
         let grid = Grid { openings, cells, seeds, mode: arguments.mode };

@@ -18,6 +18,7 @@ use super::row::Row;
 use super::runner::{Driven, Gallery, Part, Pictures, Piece, Runner};
 use controller::laws::cacc::weights::{Weights, set};
 use report::chart::{Strip, Tone};
+use scenario::Setting;
 use supervise::Error;
 
 /// A scene of the paper: name in the figures, scenario, stop line and switch.
@@ -131,19 +132,21 @@ impl Set {
         }
     }
 
-    /// Keys that make a scene one of this set.
-    pub fn keys(self, scene: &Scene) -> Vec<String> {
+    /// Settings that make a scene one of this set.
+    pub fn settings(self, scene: &Scene) -> Vec<Setting> {
         match self {
             Self::Joint => Vec::new(),
-            Self::Equation1 => vec!["controller.spacing_policy=measured-headway".into()],
-            Self::AllStages => vec!["controller.weights.light_stages=all".into()],
-            Self::Fitted => keys(scene, &scene.fitted, TABLE_3_LEAD_MPS2),
+            Self::Equation1 => {
+                vec![Setting::new("controller.spacing_policy", "measured-headway")]
+            }
+            Self::AllStages => vec![Setting::new("controller.weights.light_stages", "all")],
+            Self::Fitted => settings(scene, &scene.fitted, TABLE_3_LEAD_MPS2),
         }
     }
 }
 
-/// Keys for weights, and for the lead's acceleration in Table 3.
-pub fn keys(scene: &Scene, weights: &Weights, table_3_lead_mps2: f64) -> Vec<String> {
+/// Settings for weights, and for the lead's acceleration in Table 3.
+pub fn settings(scene: &Scene, weights: &Weights, table_3_lead_mps2: f64) -> Vec<Setting> {
     let weights = [
         ("q1", weights.gap_error_per_m2),
         ("q2", weights.speed_error_s2_per_m2),
@@ -152,26 +155,27 @@ pub fn keys(scene: &Scene, weights: &Weights, table_3_lead_mps2: f64) -> Vec<Str
         ("light_weight", weights.light_m),
         ("light_threshold_m", weights.light_threshold_m),
     ];
-    let lead = format!("actors.0.profile.steps.0.acceleration_mps2={table_3_lead_mps2}");
-    let weights = weights.iter().map(|(key, value)| format!("controller.weights.{key}={value:?}"));
+    let lead = Setting::new("actors.0.profile.steps.0.acceleration_mps2", table_3_lead_mps2);
+    let setting = |(key, value)| Setting::new(&format!("controller.weights.{key}"), value);
+    let weights = weights.into_iter().map(setting);
     weights.chain((scene.name == "T3").then_some(lead)).collect()
 }
 
-/// Drives a scenario with these keys.
-pub type DriveKeys<'a> = dyn Fn(&str, &[&str]) -> Result<Driven, Error> + 'a;
+/// Drives a scenario with these settings.
+pub type DriveWith<'a> = dyn Fn(&str, &[Setting]) -> Result<Driven, Error> + 'a;
 
 /// Drives both laws through a scene: ACC, then CACC.
 pub fn both_laws(
     scene: &Scene,
-    keys: &[String],
-    drive: &DriveKeys<'_>,
+    set: &[Setting],
+    drive: &DriveWith<'_>,
 ) -> Result<[Driven; 2], Error> {
     let of = |law: &str| {
-        let name = format!("controller.name={law}");
         // `acc-mpc` has no light, and refuses its keys.
-        let is_read = |key: &&str| law == "cacc-mpc" || !key.contains(".light_");
-        let keys = keys.iter().map(String::as_str).filter(is_read);
-        drive(scene.scenario, &keys.chain([name.as_str()]).collect::<Vec<_>>())
+        let is_read = |one: &&Setting| law == "cacc-mpc" || !one.key().contains(".light_");
+        let set = set.iter().filter(is_read).cloned();
+        let law = Setting::new("controller.name", law);
+        drive(scene.scenario, &set.chain([law]).collect::<Vec<_>>())
     };
     Ok([of("acc-mpc")?, of("cacc-mpc")?])
 }
@@ -185,7 +189,7 @@ pub(super) fn pieces() -> Vec<Piece> {
 fn reproduce(runner: &Runner<'_>, set: Set) -> Result<Part, Error> {
     let (mut runs, mut pictures) = (Runs::default(), Pictures::default());
     for scene in SCENES.iter().filter(|scene| set.has(&format!("{}.cacc.", scene.name))) {
-        let driven = both_laws(scene, &set.keys(scene), &|name, keys| runner.drive(name, keys))?;
+        let driven = both_laws(scene, &set.settings(scene), &|name, set| runner.drive(name, set))?;
         if set == Set::Joint {
             pictures.galleries.push(panels(scene, &driven));
         }

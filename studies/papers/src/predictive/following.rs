@@ -7,6 +7,7 @@ use crate::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
 use crate::runner::{Driven, Part, Pictures, Piece, Runner};
 use crate::trips::Trip;
 use controller::laws::truck::Prices;
+use scenario::Setting;
 use supervise::report::Outcome;
 use supervise::{DriveStep, Error};
 use truck_model::{Preset, Truck};
@@ -38,14 +39,16 @@ const WARNS: &str =
     "mode 3: a gap below the least one is warned of; the driver can take over at any time";
 
 /// The law alone: the paper's truck has no emergency brake, and its radar gives objects.
-const ALONE: [&str; 2] = ["perception.radar.model=\"object-list\"", "aebs.enabled=false"];
+fn alone() -> Vec<Setting> {
+    vec![Setting::new("perception.radar.model", "object-list"), Setting::new("aebs.enabled", false)]
+}
 
 /// The figure, the fuel in traffic, and the lead that brakes before each truck.
 pub fn pieces() -> Vec<Piece> {
     let braking = |preset: Preset| {
         Piece::new(format!("braking lead, {}", preset.name()), move |runner| {
-            let vehicle = format!("plant.vehicle=\"{}\"", preset.name());
-            let driven = drive(runner, "truck-brake", Some(&vehicle))?;
+            let vehicle = Setting::new("plant.vehicle", preset.name());
+            let driven = drive(runner, "truck-brake", Some(vehicle))?;
             Ok(Part::of_rows(emergency(preset, &driven).into()))
         })
     };
@@ -57,7 +60,8 @@ pub fn pieces() -> Vec<Piece> {
         }),
         Piece::new("fuel in traffic", |runner| {
             let ours = drive(runner, "truck-traffic", None)?;
-            let other = drive(runner, "truck-traffic", Some("controller.name=\"acc-mpc\""))?;
+            let other = Setting::new("controller.name", "acc-mpc");
+            let other = drive(runner, "truck-traffic", Some(other))?;
             Ok(Part::of_rows(traffic(&ours, &other).into()))
         }),
     ];
@@ -66,9 +70,9 @@ pub fn pieces() -> Vec<Piece> {
 }
 
 /// Drives a scenario with the law alone, and with another key.
-fn drive(runner: &Runner<'_>, scenario: &str, key: Option<&str>) -> Result<Driven, Error> {
-    let keys: Vec<&str> = ALONE.into_iter().chain(key).collect();
-    runner.drive(scenario, &keys)
+fn drive(runner: &Runner<'_>, scenario: &str, other: Option<Setting>) -> Result<Driven, Error> {
+    let set: Vec<Setting> = alone().into_iter().chain(other).collect();
+    runner.drive(scenario, &set)
 }
 
 /// The four points of the figure.

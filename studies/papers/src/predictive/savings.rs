@@ -7,6 +7,7 @@ use crate::page::over_road;
 use crate::row::{EXACT, Kind, Row, Tolerance, paper, reconstruction, requirement, within};
 use crate::runner::{Driven, Gallery, Part, Pictures, Piece, Runner};
 use crate::trips::Trip;
+use scenario::Setting;
 use supervise::Error;
 use truck_model::Preset;
 
@@ -38,17 +39,17 @@ const ROAD_AND_TRUCK: &str =
 const DRIVER: &str =
     "the skilled driver: the paper's are statistics of real trips, ours a model of 2.5 km/h spread";
 
-/// Errors of the robustness table: name, and the key that causes it.
-const WRONG: [(&str, &str); 4] = [
-    ("mass_15_percent_more", "plant.mass_factor=1.15"),
-    ("mass_15_percent_less", "plant.mass_factor=0.85"),
-    ("map_shifted_60_m", "v2x.preview.shift_m=60"),
-    ("grade_noise_0.25_percent", "v2x.preview.noise_percent=0.25"),
+/// Errors of the robustness table: name, and the key that causes it with its value.
+const WRONG: [(&str, &str, f64); 4] = [
+    ("mass_15_percent_more", "plant.mass_factor", 1.15),
+    ("mass_15_percent_less", "plant.mass_factor", 0.85),
+    ("map_shifted_60_m", "v2x.preview.shift_m", 60.0),
+    ("grade_noise_0.25_percent", "v2x.preview.noise_percent", 0.25),
 ];
 /// The planners: the paper's, and the law's default.
 const PLANNERS: [&str; 2] = ["paper-n2", "dynamic-programming"];
-/// Key and name of the paper's law, which has no brakes.
-const WITHOUT_BRAKES: (&str, &str) = ("controller.predictive.brakes=none", ", brakes = none");
+/// Name of the paper's law, which has no brakes.
+const WITHOUT_BRAKES: &str = ", brakes = none";
 
 /// A piece for each truck on the given road, on generated roads, and for each error of the robustness table.
 pub fn pieces() -> Vec<Piece> {
@@ -59,8 +60,11 @@ pub fn pieces() -> Vec<Piece> {
         let name = format!("{} on generated roads", expected.preset.name());
         Piece::new(name, |_| Ok(Part::of_rows(vec![computed::on_generated(expected.preset)])))
     });
-    let wrong = WRONG.into_iter().map(|(what, key)| {
-        Piece::new(what, move |runner| Ok(Part::of_rows(vec![robustness(runner, what, key)?])))
+    let wrong = WRONG.into_iter().map(|(what, key, value)| {
+        Piece::new(what, move |runner| {
+            let wrong = Setting::new(key, value);
+            Ok(Part::of_rows(vec![robustness(runner, what, &[wrong])?]))
+        })
     });
     on_the_road.chain(on_generated).chain(wrong).collect()
 }
@@ -94,7 +98,8 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<Part, Error> 
                 .with_note("driven; fuel against constant speed"),
         );
         rows.extend(conditions(&name(planner), preset, free.0.as_ref(), baseline.as_ref()));
-        let bare = at_equal_time(runner, preset, planner, &[WITHOUT_BRAKES.0], baseline.as_ref())?;
+        let unbraked = [Setting::new("controller.predictive.brakes", "none")];
+        let bare = at_equal_time(runner, preset, planner, &unbraked, baseline.as_ref())?;
         driven.push((planner, change, free, bare));
     }
     let change = driven.last().and_then(|(_, change, ..)| *change);
@@ -113,7 +118,7 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<Part, Error> 
         .with_note("stretches of the reconstruction over the cells of 50 m of the road"),
     );
     for (planner, _, free, bare) in &driven {
-        for ((trip, driven), brakes) in [(free, ""), (bare, WITHOUT_BRAKES.1)] {
+        for ((trip, driven), brakes) in [(free, ""), (bare, WITHOUT_BRAKES)] {
             let set = format!("{}, {planner}{brakes}", preset.name());
             let of_set = headline(preset, trip.as_ref(), baseline_l, driver_percent);
             let id = name(&format!("{planner}.service_brake_s"));
@@ -160,7 +165,7 @@ fn against_percent(preset: Preset, trip: &Trip, baseline: &Trip) -> f64 {
 fn constant_speed(
     runner: &Runner<'_>,
     preset: Preset,
-    wrong: &[&str],
+    wrong: &[Setting],
 ) -> Result<(Option<Trip>, Driven), Error> {
     let driven = drive(runner, preset, "constant-speed", 1.0, wrong)?;
     Ok((trip(preset, &driven.drive.steps), driven))
@@ -171,13 +176,13 @@ fn at_equal_time(
     runner: &Runner<'_>,
     preset: Preset,
     planner: &str,
-    keys: &[&str],
+    set: &[Setting],
     baseline: Option<&Trip>,
 ) -> Result<(Option<Trip>, Driven), Error> {
     let mut mean_speed = 1.0;
     let mut attempt = 1;
     loop {
-        let driven = drive(runner, preset, planner, mean_speed, keys)?;
+        let driven = drive(runner, preset, planner, mean_speed, set)?;
         let trip = trip(preset, &driven.drive.steps);
         let slower =
             trip.as_ref().zip(baseline).map(|(trip, baseline)| slower_percent(trip, baseline));
@@ -197,16 +202,15 @@ fn drive(
     preset: Preset,
     planner: &str,
     mean_speed: f64,
-    keys: &[&str],
+    set: &[Setting],
 ) -> Result<Driven, Error> {
     let of_truck = [
-        format!("plant.vehicle=\"{}\"", preset.name()),
-        format!("controller.predictive.planner=\"{planner}\""),
-        format!("controller.predictive.mean_speed={mean_speed}"),
-        "duration_s=2960".to_owned(),
+        Setting::new("plant.vehicle", preset.name()),
+        Setting::new("controller.predictive.planner", planner),
+        Setting::new("controller.predictive.mean_speed", mean_speed),
+        Setting::new("duration_s", 2960),
     ];
-    let keys: Vec<&str> = of_truck.iter().map(String::as_str).chain(keys.iter().copied()).collect();
-    runner.drive("truck-hills", &keys)
+    runner.drive("truck-hills", &[&of_truck, set].concat())
 }
 
 /// Conditions of a fair comparison.
@@ -257,12 +261,12 @@ fn headline(
 }
 
 /// Rest of the saving when the law's truck or map is wrong.
-fn robustness(runner: &Runner<'_>, what: &str, key: &str) -> Result<Row, Error> {
+fn robustness(runner: &Runner<'_>, what: &str, wrong: &[Setting]) -> Result<Row, Error> {
     let preset = RECONSTRUCTED[0].preset;
     // A wrong mass changes the baseline, a wrong map does not.
-    let of_truck: &[&str] = if what.starts_with("mass") { &[key] } else { &[] };
+    let of_truck = if what.starts_with("mass") { wrong } else { &[] };
     let (baseline, _) = constant_speed(runner, preset, of_truck)?;
-    let (trip, _) = at_equal_time(runner, preset, PLANNERS[1], &[key], baseline.as_ref())?;
+    let (trip, _) = at_equal_time(runner, preset, PLANNERS[1], wrong, baseline.as_ref())?;
     // Unequal trip times are not compared.
     let equal = trip
         .as_ref()

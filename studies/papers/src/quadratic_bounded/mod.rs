@@ -11,13 +11,12 @@ use super::row::{EXACT, Kind, Row, Tolerance, paper, reconstruction, requirement
 use super::runner::{Driven, Gallery, Part, Piece, Runner};
 use actuators::{Pedals, pedals};
 use controller::laws::quadratic_bounded::Parameters;
+use scenario::Setting;
 use supervise::{DriveStep, Error};
 
 /// The sets, with the key that chooses the gains.
-const SETS: [(&str, &str); 2] = [
-    ("certified design", "controller.quadratic_bounded.gains=certified"),
-    ("gains as printed, uncertified", "controller.quadratic_bounded.gains=printed"),
-];
+const SETS: [(&str, &str); 2] =
+    [("certified design", "certified"), ("gains as printed, uncertified", "printed")];
 
 /// Tolerance of a time that is printed to the half second.
 const PRINTED: Tolerance =
@@ -39,12 +38,13 @@ const SET_SPEED_MPS: f64 = 110.0 / 3.6;
 const SCENARIOS: [&str; 3] = ["follow", "depart", "cut-in"];
 
 pub fn pieces() -> Vec<Piece> {
-    SETS.map(|(set, key)| Piece::new(set, move |runner| reproduce(runner, set, key))).into()
+    SETS.map(|(set, gains)| Piece::new(set, move |runner| reproduce(runner, set, gains))).into()
 }
 
 /// Drives the scenarios with a set of gains and compares.
-fn reproduce(runner: &Runner<'_>, set: &str, key: &str) -> Result<Part, Error> {
-    let drive = |name: &str| runner.drive(&format!("quadratic-bounded-{name}"), &[key]);
+fn reproduce(runner: &Runner<'_>, set: &str, gains: &str) -> Result<Part, Error> {
+    let gains = [Setting::new("controller.quadratic_bounded.gains", gains)];
+    let drive = |name: &str| runner.drive(&format!("quadratic-bounded-{name}"), &gains);
     let [follows, departs, cuts_in] =
         [drive(SCENARIOS[0])?, drive(SCENARIOS[1])?, drive(SCENARIOS[2])?];
     let mut part = Part {

@@ -10,9 +10,10 @@ mod releases;
 
 use super::Pictures;
 use super::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
-use super::runner::{Driven, Part, Piece, Runner};
+use super::runner::{Driven, Part, Piece, Runner, printed};
 use controller::laws::six_mode::deceleration::LEVELS_MPS2;
 use controller::laws::six_mode::{Mode, Parameters};
+use scenario::{Setting, Table, Value};
 use supervise::Error;
 use supervise::report::Outcome;
 
@@ -75,34 +76,30 @@ const INFERRED_KEYS: [&str; 13] = [
 
 impl Set {
     fn drive(self, runner: &Runner<'_>) -> Result<Driven, Error> {
-        let mut keys = match self.law {
-            Drives::Literal => vec!["controller.six_mode.variant=\"literal\"".to_owned()],
-            Drives::Robust => vec!["controller.six_mode.variant=\"robust\"".to_owned()],
-            Drives::Regions => {
-                vec!["controller.six_mode.deceleration_parts=\"regions\"".to_owned()]
-            }
+        let of_law =
+            |key: &str, value: Value| Setting::new(&format!("controller.six_mode.{key}"), value);
+        let mut set = match self.law {
+            Drives::Literal => vec![of_law("variant", "literal".into())],
+            Drives::Robust => vec![of_law("variant", "robust".into())],
+            Drives::Regions => vec![of_law("deceleration_parts", "regions".into())],
             Drives::Road => {
-                let defaults = serde_json::to_value(Parameters::default()).expect("plain data");
-                let key = |key: &&str| format!("controller.six_mode.{key}={}", defaults[*key]);
-                INFERRED_KEYS.iter().map(key).collect()
+                let defaults = Table::try_from(Parameters::default()).expect("plain data");
+                INFERRED_KEYS.iter().map(|key| of_law(key, defaults[*key].clone())).collect()
             }
         };
         if !self.stops {
-            keys.push("actors.1.profile=\"constant\"".to_owned());
+            set.push(Setting::new("actors.1.profile", "constant"));
         }
-        let drive = |keys: &[String]| {
-            runner.drive("six-mode", &keys.iter().map(String::as_str).collect::<Vec<_>>())
-        };
         if self.law == Drives::Road {
             // Until the cut-in the third car is beside the lane. It goes to where it cuts in at the same gap.
-            let before = drive(&keys)?;
+            let before = runner.drive("six-mode", &set)?;
             let mut steps = before.drive.steps.iter();
             let at_cut_in =
                 steps.find(|step| step.time_s >= CUT_IN_S).map_or(0.0, |step| step.position_m);
             let gap_m = at_cut_in + CUT_IN_GAP_M - THIRD_CAR_MPS * CUT_IN_S;
-            keys.push(format!("actors.1.gap_m={gap_m:.3}"));
+            set.push(Setting::new("actors.1.gap_m", printed(gap_m, 3)));
         }
-        drive(&keys)
+        runner.drive("six-mode", &set)
     }
 
     /// True if the paper's plane is drawn: for the paper as printed and for the law that users drive.

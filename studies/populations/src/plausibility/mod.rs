@@ -13,8 +13,9 @@ use std::ops::Range;
 
 use frame::batch::Done;
 use report::results::{count, number, word};
-use scenario::Scenario;
+use scenario::faults::{self, Fault};
 use scenario::plant::Vehicle;
+use scenario::{Scenario, Setting, table};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use supervise::report::CheckReport;
@@ -89,12 +90,12 @@ impl Sender {
         fixed(from_s + (to_s - from_s) * (number - 1) as f64 / (DRIVES - 1) as f64, 2)
     }
 
-    fn fault(&self, at_s: f64) -> String {
-        let kind = self.bias.map_or_else(
-            || "kind = \"freeze\"".to_owned(),
-            |(field, amount)| format!("kind = \"bias\", field = \"{field}\", amount = {amount:?}"),
-        );
-        format!("faults=[{{ {kind}, for_s = 10, topic = \"{}\", at_s = {at_s:.2} }}]", self.topic)
+    fn fault(&self, at_s: f64) -> Fault {
+        let mut keys = table! { kind: "freeze", for_s: 10, topic: self.topic, at_s: at_s };
+        if let Some((field, amount)) = self.bias {
+            keys.extend(table! { kind: "bias", field: field, amount: amount });
+        }
+        faults::read(keys).expect("the table has faults")
     }
 }
 
@@ -148,9 +149,12 @@ impl Population for Plausibility {
             None => options.parse("scene", &drives::text(*number)),
             Some(sender) => {
                 let at_s = sender.begins_s(*number);
-                let own = [format!("duration_s={:.2}", at_s + 12.0), sender.fault(at_s)];
+                let own = [
+                    Setting::new("duration_s", fixed(at_s + 12.0, 2)),
+                    Setting::faults(&[sender.fault(at_s)]),
+                ];
                 let DriveOptions { laws, set, require, .. } = options.clone();
-                let seed = Some(number.to_string());
+                let seed = Some((*number as i64).into());
                 let options = ScenarioOptions { seed, laws, set, require, ..Default::default() };
                 supervise::open_with(sender.scenario, &options, "set", &own)
             }
@@ -161,7 +165,7 @@ impl Population for Plausibility {
             return Ok(scenario);
         }
         let mut named = options.clone();
-        named.set.push(format!("controller.name={law}"));
+        named.set.push(Setting::new("controller.name", law.as_str()));
         open(&named)
     }
 

@@ -8,7 +8,7 @@ use scenario::faults::TopicName;
 use supervise::{Error, absent};
 
 use crate::problem::{
-    Domain, FAULT, FaultChoice, Problem, Setting, Term, Value, Variable, is_refusal,
+    Domain, FAULT, FaultChoice, Problem, Rule, Term, Value, Variable, is_refusal,
 };
 
 /// Names of the variables of a fault.
@@ -94,7 +94,7 @@ fn of_timing(base: &Problem) -> Vec<Candidate> {
         let mut problem = base.clone();
         let domain = Domain::parse(values).expect("a domain");
         let size = problem.add(SIZE, domain, Some(Value::Number(from)));
-        problem.settings.push(Setting::new(key, size));
+        problem.rules.push(Rule::new(key, size));
         Candidate { name: key.trim_start_matches("runtime.").to_owned(), unit, problem }
     };
     // Delays are whole periods of the plant.
@@ -120,15 +120,15 @@ impl Candidate {
             // The logarithm is spread evenly where it exists.
             let (least, most) = (from.min(to), from.max(to));
             let domain = Domain::Range { from: least, to: most, is_log: from > 0.0 };
-            Setting::of_fault(key, problem.add(name, domain, Some(Value::Number(from))))
+            Rule::of_fault(key, problem.add(name, domain, Some(Value::Number(from))))
         };
         let mut keys = vec![
             vary("at_s", BEGIN, 0.0, 0.8 * duration_s),
             vary("for_s", LASTS, 0.1, duration_s.max(0.2)),
         ];
         keys.extend(size.map(|(key, from, to)| vary(key, SIZE, from, to)));
-        let constant = |word: &str| Term::Constant(format!("\"{word}\""));
-        keys.extend(fixed.iter().map(|(key, word)| Setting::of_fault(key, constant(word))));
+        let constant = |word: &str| Term::Constant(word.into());
+        keys.extend(fixed.iter().map(|(key, word)| Rule::of_fault(key, constant(word))));
         problem.faults.push(FaultChoice { name: name.clone(), keys });
         Self { name, unit, problem: problem.with_choice_of_fault() }
     }

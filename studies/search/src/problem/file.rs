@@ -9,7 +9,7 @@ use serde::Deserialize;
 use supervise::{Error, ScenarioOptions, UsageError};
 use toml::{Table, Value as Toml};
 
-use super::term::{FaultChoice, Setting, Term};
+use super::term::{FaultChoice, Rule, Term};
 use super::variable::{Domain, Value};
 use super::{FAULT, NO_FAULT, Problem, SearchError};
 use crate::reference::{Reference, ReferenceName};
@@ -142,7 +142,7 @@ impl File {
         }
         for (key, value) in &self.set {
             let term = term(&format!("set.\"{key}\""), value, problem)?;
-            problem.settings.push(Setting::new(key, term));
+            problem.rules.push(Rule::new(key, term));
         }
         for table in &self.faults {
             let fault = fault(table, problem)?;
@@ -156,9 +156,8 @@ impl File {
         // A variable that no term reads is a key itself.
         for (place, variable) in problem.variables.iter().enumerate() {
             let in_faults = problem.faults.iter().flat_map(|fault| &fault.keys);
-            if !problem.settings.iter().chain(in_faults).any(|one| one.term.reads(place)) {
-                let setting = Setting::new(&variable.name, Term::Variable(place));
-                problem.settings.push(setting);
+            if !problem.rules.iter().chain(in_faults).any(|one| one.term.reads(place)) {
+                problem.rules.push(Rule::new(&variable.name, Term::Variable(place)));
             }
         }
         Ok(())
@@ -214,20 +213,18 @@ fn fault(table: &Table, problem: &Problem) -> Result<FaultChoice, UsageError> {
     let mut keys = Vec::new();
     for (key, value) in table.iter().filter(|(key, _)| *key != "name") {
         let term = match value {
-            Toml::Table(_) => Term::Constant(value.to_string()),
-            Toml::String(_) if WORDS.contains(&key.as_str()) => Term::Constant(value.to_string()),
+            Toml::Table(_) => Term::Constant(value.clone()),
+            Toml::String(_) if WORDS.contains(&key.as_str()) => Term::Constant(value.clone()),
             value => term(&format!("faults.{key}"), value, problem)?,
         };
-        keys.push(Setting::of_fault(key, term));
+        keys.push(Rule::of_fault(key, term));
     }
     Ok(FaultChoice { name, keys })
 }
 
 fn term(key: &str, value: &Toml, problem: &Problem) -> Result<Term, UsageError> {
     match value {
-        Toml::Integer(_) | Toml::Float(_) | Toml::Boolean(_) => {
-            Ok(Term::Constant(value.to_string()))
-        }
+        Toml::Integer(_) | Toml::Float(_) | Toml::Boolean(_) => Ok(Term::Constant(value.clone())),
         Toml::String(text) => Term::parse(key, text, &problem.variables),
         other => Err(UsageError::at(key, other, "a number or arithmetic in a text")),
     }
@@ -252,7 +249,7 @@ mod tests {
              slow = {{ values = \"0..1\", nominal = 0.25 }}\n[set]\nset_speed_mps = \"v*slow\"\n"
         );
         let problem = of(&text).expect("a good file");
-        let keys: Vec<&str> = problem.settings.iter().map(|setting| setting.key.as_str()).collect();
+        let keys: Vec<&str> = problem.rules.iter().map(|rule| rule.key.as_str()).collect();
         assert_eq!(keys, ["set_speed_mps", "plant.mass_factor"]);
         let slow = problem.variables.iter().find(|one| one.name == "slow").expect("a variable");
         assert_eq!(slow.nominal, Value::Number(0.25));
@@ -267,7 +264,7 @@ mod tests {
         );
         let problem = of(&text).expect("a good file");
         assert_eq!(problem.faults[0].name, "delay radar/tracks");
-        assert!(problem.settings.is_empty(), "a fault reads the variable");
+        assert!(problem.rules.is_empty(), "a fault reads the variable");
         let twice = format!("{text}[[faults]]\nkind = \"delay\"\ntopic = \"radar/tracks\"\n");
         assert!(of(&twice).expect_err("one name").contains("is taken"));
     }

@@ -1,7 +1,7 @@
 //! A problem: a scenario, the variables of it, and what is to hold.
 //!
 //! ```text
-//! variables ─ at a point ─► values ─ [set], faults ─► keys ─ over the scenario ─► a run
+//! variables ─ at a point ─► values ─ [set], faults ─► settings ─ over the scenario ─► a run
 //! ```
 //!
 //! A *point* is a place in the unit cube, one coordinate a variable.
@@ -12,7 +12,7 @@ mod variable;
 
 pub(crate) use file::{Exposure, Stated};
 pub(crate) use term::FaultChoice;
-pub use term::{Setting, Term, is_whole};
+pub use term::{Rule, Term, is_whole};
 pub use variable::{Domain, DomainError, Value, Variable, rounded};
 
 use std::collections::BTreeSet;
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use gaussian_process::Kind;
 use runtime::Mode;
-use scenario::Scenario;
+use scenario::{Scenario, Setting, faults};
 use supervise::{Error, Failure, GroupOptions, Opening, ScenarioOptions, UsageError};
 use thiserror::Error;
 
@@ -48,7 +48,7 @@ pub struct Problem {
     opening: Opening,
     /// The nominal scenario as it is written.
     written: toml::Table,
-    pub(crate) settings: Vec<Setting>,
+    pub(crate) rules: Vec<Rule>,
     pub(crate) faults: Vec<FaultChoice>,
     /// `[probability]` of the file, and the file's folder.
     pub(crate) stated: Option<(Stated, PathBuf)>,
@@ -121,10 +121,10 @@ impl Problem {
             name: stem.to_string_lossy().into_owned(),
             variables: Vec::new(),
             reference: Some(Reference::REGULATION),
-            written: nominal.to_toml().parse().unwrap_or_default(),
+            written: toml::Table::try_from(&nominal).unwrap_or_default(),
             nominal,
             opening,
-            settings: Vec::new(),
+            rules: Vec::new(),
             faults: Vec::new(),
             stated: None,
         })
@@ -148,7 +148,7 @@ impl Problem {
             return Err(refuse(&"the key varies already"));
         }
         let term = self.add(key, Domain::parse(list).map_err(|error| refuse(&error))?, None);
-        self.settings.push(Setting::new(key, term));
+        self.rules.push(Rule::new(key, term));
         Ok(())
     }
 
@@ -175,8 +175,8 @@ impl Problem {
             Domain::Words(words) => Kind::Word(words.len()),
             _ => {
                 let mut keys = self.faults.iter().flat_map(|fault| &fault.keys);
-                let is_read = |setting: &Setting| setting.term.reads(place);
-                let is_own = keys.any(is_read) && !self.settings.iter().any(is_read);
+                let is_read = |rule: &Rule| rule.term.reads(place);
+                let is_own = keys.any(is_read) && !self.rules.iter().any(is_read);
                 if is_own { Kind::Own } else { Kind::Number }
             }
         };
@@ -205,22 +205,24 @@ impl Problem {
         self.faults.iter().find(|fault| values[place] == Value::Word(fault.name.clone()))
     }
 
-    /// The keys of the scenario with these values, as for `--set`.
-    fn keys(&self, values: &[Value]) -> Result<Vec<String>, UsageError> {
-        let mut keys = Vec::with_capacity(self.settings.len() + 2);
-        for setting in &self.settings {
-            keys.push(format!("{}={}", setting.key, setting.text(values)?));
+    /// The keys that the rules give with these values.
+    fn settings(&self, values: &[Value]) -> Result<Vec<Setting>, Error> {
+        let mut settings = Vec::with_capacity(self.rules.len() + 2);
+        for rule in &self.rules {
+            settings.push(Setting::new(&rule.key, rule.value(values)?));
         }
         if let Some(fault) = self.fault(values) {
-            let all = self.written.get("faults").and_then(toml::Value::as_array);
-            let mut all: Vec<String> =
-                all.into_iter().flatten().map(|one| one.to_string()).collect();
-            let pair = |one: &Setting| Ok(format!("{} = {}", one.key, one.text(values)?));
-            let pairs: Result<Vec<String>, UsageError> = fault.keys.iter().map(pair).collect();
-            all.push(format!("{{ {} }}", pairs?.join(", ")));
-            keys.push(format!("faults=[{}]", all.join(", ")));
+            let pair = |rule: &Rule| Ok((rule.key.clone(), rule.value(values)?));
+            let keys: Result<toml::Table, UsageError> = fault.keys.iter().map(pair).collect();
+            let refuse = |problem: scenario::Problem| {
+                let place = format_args!("{}, {}", fault.name, problem.path);
+                UsageError::at(place, problem.message, problem.expected)
+            };
+            let mut all = self.nominal.faults.clone();
+            all.push(faults::read(keys?).map_err(refuse)?);
+            settings.push(Setting::faults(&all));
         }
-        Ok(keys)
+        Ok(settings)
     }
 
     pub fn scenario(&self, values: &[Value], seed: u64) -> Result<Scenario, Error> {
@@ -231,9 +233,9 @@ impl Problem {
             let reason = reason.strip_prefix("error: ").unwrap_or(reason).to_owned();
             Error::from(SearchError::Refused { point, reason })
         };
-        let mut keys = self.keys(values).map_err(|error| refused(&error.to_string()))?;
-        keys.push(format!("seed={seed}"));
-        self.opening.with("--set", &keys).map_err(|error| refused(&error.to_string()))
+        let mut settings = self.settings(values).map_err(|error| refused(&error.to_string()))?;
+        settings.push(Setting::new("seed", seed as i64));
+        self.opening.with("--set", &settings).map_err(|error| refused(&error.to_string()))
     }
 
     /// Value of a scene by the reference alone, tolerances. It is above 0 where the driver does not avoid the scene.
@@ -268,7 +270,7 @@ impl Problem {
             "{}\n{:?}\n{:?}\n{:?}\n{:?}",
             self.nominal.to_toml(),
             self.variables,
-            self.settings,
+            self.rules,
             self.faults,
             self.reference
         )

@@ -4,10 +4,11 @@ use super::variable::{Value, Variable, rounded};
 use openscenario::expression::{self, Fault, evaluate};
 use scenario::schema::{Key, Shape};
 use supervise::UsageError;
+use toml::Value as Toml;
 
-/// A key of the scenario and its value.
+/// A key of the scenario and the term that gives its value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
+pub struct Rule {
     /// Dotted path.
     pub key: String,
     pub term: Term,
@@ -18,8 +19,7 @@ pub struct Setting {
 /// The right side of a key.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
-    /// TOML text that stays.
-    Constant(String),
+    Constant(Toml),
     Variable(usize),
     /// Arithmetic on variables, and the same with `$k` for the variable at place `k`.
     Formula {
@@ -35,10 +35,10 @@ pub(crate) struct FaultChoice {
     /// Its name, a value of the variable `fault`.
     pub name: String,
     /// Its keys, as in a scenario's `[[faults]]`.
-    pub keys: Vec<Setting>,
+    pub keys: Vec<Rule>,
 }
 
-impl Setting {
+impl Rule {
     pub(crate) fn new(key: &str, term: Term) -> Self {
         Self { key: key.to_owned(), term, is_whole: is_whole(key) }
     }
@@ -47,18 +47,22 @@ impl Setting {
         Self { key: key.to_owned(), term, is_whole: is_whole(&format!("faults.0.{key}")) }
     }
 
-    pub(crate) fn text(&self, values: &[Value]) -> Result<String, UsageError> {
+    pub(crate) fn value(&self, values: &[Value]) -> Result<Toml, UsageError> {
         let number = |number: f64| {
             let number = if self.is_whole { number.round() } else { rounded(number, 9) };
-            number.to_string()
+            // A key of a law's table may hold whole numbers, which is not known here.
+            let is_whole = number.fract() == 0.0 && number.abs() < 9e15;
+            if is_whole { Toml::Integer(number as i64) } else { Toml::Float(number) }
         };
         match &self.term {
-            Term::Constant(text) => Ok(text.clone()),
+            Term::Constant(value) => Ok(value.clone()),
             Term::Variable(place) => Ok(match &values[*place] {
                 Value::Number(value) => number(*value),
                 // A truth value is not a word to TOML.
-                Value::Word(word) if matches!(word.as_str(), "true" | "false") => word.clone(),
-                Value::Word(word) => toml::Value::String(word.clone()).to_string(),
+                Value::Word(word) => match word.parse() {
+                    Ok(flag) => Toml::Boolean(flag),
+                    Err(_) => Toml::String(word.clone()),
+                },
             }),
             Term::Formula { text, numbered, .. } => {
                 let mut variable = |name: &str| {
@@ -171,7 +175,8 @@ mod tests {
 
     fn text(term: Term, key: &str) -> Result<String, String> {
         let values = [Value::Number(2.25), Value::Number(30.0), Value::Word("true".into())];
-        Setting::new(key, term).text(&values).map_err(|error| error.to_string())
+        let value = Rule::new(key, term).value(&values).map_err(|error| error.to_string())?;
+        Ok(value.to_string())
     }
 
     #[test]
@@ -179,8 +184,8 @@ mod tests {
         assert_eq!(text(Term::Variable(0), "set_speed_mps").as_deref(), Ok("2.25"));
         assert_eq!(text(Term::Variable(0), "seed").as_deref(), Ok("2"));
         assert_eq!(text(Term::Variable(2), "name").as_deref(), Ok("true"));
-        let word = Setting::new("name", Term::Variable(0)).text(&[Value::Word("acc-mpc".into())]);
-        assert_eq!(word.expect("a word"), "\"acc-mpc\"");
+        let word = Rule::new("name", Term::Variable(0)).value(&[Value::Word("acc-mpc".into())]);
+        assert_eq!(word.expect("a word"), "acc-mpc".into());
     }
 
     #[test]

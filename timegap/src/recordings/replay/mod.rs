@@ -22,7 +22,7 @@ use report::print;
 use report::print::count_bar;
 use report::results::Document;
 use runtime::Program;
-use scenario::{Overrides, Scenario};
+use scenario::{Overrides, Scenario, Setting};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ pub struct ReplayArguments {
     pub service: Option<(Service, PathBuf)>,
     /// Change a key of the recorded scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    pub set: Vec<Setting>,
     /// File for both controllers' requests [default: replay.csv beside the recording]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -90,11 +90,9 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
 fn scenario(recording: &Recording, arguments: &ReplayArguments) -> Result<(Scenario, bool), Error> {
     let mut overrides = Overrides::new();
     if let Some(controller) = &arguments.controller {
-        overrides.option("--controller", "controller.name", controller);
+        overrides.option("--controller", "controller.name", controller.as_str());
     }
-    for argument in &arguments.set {
-        overrides.set(argument)?;
-    }
+    arguments.set.iter().cloned().for_each(|setting| overrides.set(setting));
     let text = &recording.metadata().scenario;
     let recorded = Scenario::parse("the recorded scenario", text)?;
     let scenario = Scenario::parse_with("the recorded scenario", text, &overrides, &laws::check)?;

@@ -185,7 +185,7 @@ mod tests {
     /// A short drive behind another vehicle, which breaks its requirement.
     fn driven() -> (Summary, Document) {
         let options = ScenarioOptions {
-            duration: Some("3".to_owned()),
+            duration: Some(3.into()),
             require: vec!["gap_m > 1000".to_owned()],
             ..ScenarioOptions::default()
         };

@@ -3,7 +3,7 @@
 use crate::UsageError;
 use clap::Args;
 use scenario::name::Name;
-use scenario::{Overrides, ScenarioError};
+use scenario::{Overrides, Setting};
 use serde::{Deserialize, Serialize};
 
 /// Laws of the user's own, by the option `--law`.
@@ -118,29 +118,25 @@ impl LawOptions {
         words.flatten().collect()
     }
 
-    /// The keys that declare the laws, as arguments of `--set`. Their programs run in the present directory.
-    pub fn keys(&self) -> Vec<String> {
+    /// The keys that declare the laws. Their programs run in the present directory.
+    pub fn settings(&self) -> Vec<Setting> {
         let here = std::env::current_dir().unwrap_or_default();
-        let text = |text: &str| toml::Value::from(text).to_string();
-        let mut keys = Vec::new();
-        for NamedLaw { name, source } in &self.laws {
-            let mut set =
-                |key: &str, value: String| keys.push(format!("laws.{name}.{key}={value}"));
+        let each = |NamedLaw { name, source }: &NamedLaw| {
+            let key = |key: &str| format!("laws.{name}.{key}");
             match source {
-                LawSource::Program(words) => {
-                    let words: Vec<_> = words.iter().map(|word| text(word)).collect();
-                    set("command", format!("[{}]", words.join(", ")));
-                    set("directory", text(&here.to_string_lossy()));
-                }
-                LawSource::Caller => set("caller", "true".to_owned()),
+                LawSource::Program(words) => vec![
+                    Setting::new(&key("command"), words.clone()),
+                    Setting::new(&key("directory"), here.to_string_lossy().as_ref()),
+                ],
+                LawSource::Caller => vec![Setting::new(&key("caller"), true)],
             }
-        }
-        keys
+        };
+        self.laws.iter().flat_map(each).collect()
     }
 
-    /// Declares the laws in a scenario.
-    pub fn lay_over(&self, overrides: &mut Overrides) -> Result<(), ScenarioError> {
-        self.keys().iter().try_for_each(|key| overrides.set_by("--law", key))
+    /// Declares the laws in a scenario, on behalf of the option that errors name.
+    pub fn lay_over(&self, option: &'static str, overrides: &mut Overrides) {
+        self.settings().into_iter().for_each(|setting| overrides.set_by(option, setting));
     }
 }
 

@@ -8,9 +8,11 @@ use clap::{Args, ValueEnum};
 use messages::Service;
 use openscenario::LaneHeadings;
 use runtime::Mode;
+use scenario::{Setting, option_value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use toml::Value;
 
 /// Changes of a scenario.
 #[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
@@ -19,14 +21,14 @@ pub struct ScenarioOptions {
     #[arg(long, value_name = "NAME")]
     pub controller: Option<String>,
     /// Seed of all random numbers
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub seed: Option<String>,
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = |text: &str| option_value("--seed", text))]
+    pub seed: Option<Value>,
     /// Length of the run, s
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
-    pub duration: Option<String>,
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = |text: &str| option_value("--duration", text))]
+    pub duration: Option<Value>,
     /// Change a key of the scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    pub set: Vec<Setting>,
     /// Laws of the user's own.
     #[command(flatten)]
     pub laws: LawOptions,
