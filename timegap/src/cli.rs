@@ -35,6 +35,8 @@ pub enum Command {
     Run(crate::run::RunArguments),
     /// Inject a fault into a run in progress
     Inject(crate::inject::InjectArguments),
+    /// Show a run in progress or a recording live in Foxglove
+    Bridge(crate::bridge::BridgeArguments),
     /// Run a scenario's roadside units for vehicles on other hosts
     Rsu(crate::rsu::RsuArguments),
     /// Drive scenarios with several controllers and compare them
@@ -113,7 +115,7 @@ pub enum PrintCommand {
 
 /// Commands by what they are for, as `--help` shows them.
 const GROUPS: [(&str, &[&str]); 5] = [
-    ("Drive", &["run", "inject", "rsu"]),
+    ("Drive", &["run", "inject", "bridge", "rsu"]),
     ("Compare and search", &["compare", "sweep", "string", "search"]),
     ("Judge", &["campaign", "test", "papers", "merge", "resume"]),
     ("Recordings and this machine", &["recording", "bench", "doctor"]),

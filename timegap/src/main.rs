@@ -15,6 +15,7 @@
 
 #[cfg(feature = "count-allocations")]
 mod allocations;
+mod bridge;
 mod cli;
 mod inject;
 mod lead;
@@ -65,6 +66,7 @@ fn run_command() -> ExitCode {
     let result = match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
+        Command::Bridge(arguments) => bridge::run(&arguments),
         Command::Rsu(arguments) => rsu::run(&arguments),
         Command::Compare(arguments) => grid::compare::run(&arguments),
         Command::Sweep(arguments) => grid::sweep::run(&arguments),

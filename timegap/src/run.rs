@@ -57,6 +57,9 @@ pub struct RunArguments {
     /// Do not record the topics
     #[arg(long)]
     pub no_record: bool,
+    /// Show the run live to viewers on this machine: foxglove[:PORT]
+    #[arg(long, value_name = "VIEWER")]
+    pub bridge: Option<String>,
 }
 
 pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
@@ -84,6 +87,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     if arguments.in_process {
         refuse_what_needs_processes(arguments)?;
     }
+    let bridge = arguments.bridge.as_deref().map(crate::bridge::address).transpose()?;
     supervise::hold_signals()?;
     let output = OutputDirectory::create(&arguments.results.output, scenario.name.as_str())?;
     output.write_input("scenario.toml", scenario.to_toml().as_bytes())?;
@@ -111,6 +115,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         let keep = Keep {
             live_file: Some(output.path().join("live.json")),
             recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
+            bridge,
         };
         drive(&scenario, mode, &arguments.group, Some(keep), &mut watch)
     };
@@ -167,6 +172,8 @@ fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), UsageErro
         ("your program is a process of its own", "to omit --service or --in-process")
     } else if arguments.group.processes {
         ("--processes asks for the opposite", "one of both")
+    } else if arguments.bridge.is_some() {
+        ("--bridge joins a group of processes", "one of both")
     } else {
         return Ok(());
     };

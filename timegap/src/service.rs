@@ -22,6 +22,10 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     if arguments.name == "recorder" {
         return Ok(recorder::run(&arguments.arguments));
     }
+    #[cfg(feature = "bridge")]
+    if arguments.name == "bridge" {
+        return Ok(foxglove_bridge::run(&arguments.arguments));
+    }
     if arguments.name == "replayer" {
         return Ok(recorder::replay(&arguments.arguments));
     }

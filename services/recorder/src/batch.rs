@@ -1,4 +1,4 @@
-//! Messages on their way from the topics to the file.
+//! Messages on their way from the topics to a file or a viewer.
 
 use messages::{Message, Topic};
 use runtime::{RuntimeError, Tap, Tapped};
@@ -8,7 +8,7 @@ const TURN: usize = 1024;
 
 /// Messages taken from all topics in one pass.
 #[derive(Debug, Default)]
-pub(crate) struct Batch {
+pub struct Batch {
     entries: Vec<Entry>,
     bytes: Vec<u8>,
 }
@@ -27,7 +27,7 @@ impl Batch {
     }
 
     /// Each message with its topic, those of one sender on one topic in their order.
-    pub(crate) fn messages(&self) -> impl Iterator<Item = (Topic, &[u8])> {
+    pub fn messages(&self) -> impl Iterator<Item = (Topic, &[u8])> {
         self.entries.iter().map(|entry| {
             let end = entry.offset + entry.topic.message_bytes();
             (entry.topic, &self.bytes[entry.offset..end])
@@ -35,16 +35,22 @@ impl Batch {
     }
 
     /// True if nothing was there.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 }
 
 /// The tapped topics, each by its type.
-pub(crate) struct Taps {
+pub struct Taps {
     topics: Vec<Box<dyn Drain>>,
     // Ports before the node that owns them.
     _tap: Tap,
+}
+
+impl std::fmt::Debug for Taps {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Taps").finish_non_exhaustive()
+    }
 }
 
 trait Drain {
@@ -64,7 +70,10 @@ impl<T: Message> Drain for Tapped<T> {
 
 impl Taps {
     /// Taps every topic.
-    pub(crate) fn open(tap: Tap) -> Result<Self, RuntimeError> {
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn open(tap: Tap) -> Result<Self, RuntimeError> {
         macro_rules! every {
             ($($message:ty),+) => { vec![$(Box::new(tap.on::<$message>()?) as Box<dyn Drain>),+] };
         }
@@ -73,7 +82,10 @@ impl Taps {
     }
 
     /// Takes what is there.
-    pub(crate) fn take(&self) -> Result<Batch, RuntimeError> {
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn take(&self) -> Result<Batch, RuntimeError> {
         let mut batch = Batch::default();
         for topic in &self.topics {
             topic.drain_into(&mut batch)?;

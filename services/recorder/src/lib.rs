@@ -6,6 +6,7 @@
 //! from the same layouts ([`schema`]).
 //!
 //! * [`run`]: the process that records a run while it goes on
+//! * [`Taps`], [`Encoder`]: the messages of a run in progress, as a viewer reads them
 //! * [`Writer`]: crash-safe, what was flushed survives any end of the process
 //! * [`Recording`]: a file, read as a stream as far as it goes, with what is missing said
 //! * [`recover`]: the readable part of a broken file as a whole one
@@ -22,6 +23,7 @@ mod cdr;
 mod counter;
 mod damage;
 mod definitions;
+mod encoder;
 mod link;
 mod metadata;
 mod outline;
@@ -38,8 +40,10 @@ mod source;
 mod takes;
 mod writer;
 
+pub use batch::{Batch, Taps};
 pub use damage::{Damage, ReadError};
-pub use link::{FromRecorder, Report, Start, ToRecorder};
+pub use encoder::{Channel, Encoder};
+pub use link::{FromRecorder, Report, Start, ToRecorder, orders, say};
 pub use metadata::{FigureName, Host, LawNames, Metadata, SIMULATED_START_NS, Tally, TopicTally};
 pub use reader::{Recording, Survey, TopicSummary};
 pub use record::{Record, Timed};

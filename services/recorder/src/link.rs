@@ -1,14 +1,16 @@
 //! The dialogue of launcher and recorder: JSON lines on the recorder's standard streams, as with every process of the
 //! group.
 
-use crate::{LawNames, Tally};
-use runtime::Program;
+use crate::{LawNames, Metadata, Tally};
 use runtime::scheduling::Granted;
+use runtime::{Mode, Program, monotonic_ns};
+use scenario::Scenario;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::{self, BufRead, Write};
 use std::sync::mpsc::{Receiver, channel};
+use std::time::SystemTime;
 
 /// A line from the launcher to the recorder. The end of the input means [`ToRecorder::Finish`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,6 +38,19 @@ pub struct Start {
     pub law: LawNames,
 }
 
+impl Start {
+    /// The run's metadata.
+    pub fn metadata(&self, scenario: &Scenario, mode: Mode) -> Metadata {
+        let since_1970 =
+            SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        let now_ns = i64::try_from(since_1970.as_nanos()).unwrap_or(0);
+        let started_unix_ns = now_ns - (monotonic_ns() - self.start_ns);
+        let (scheduling, law) = (self.scheduling.clone(), self.law.clone());
+        Metadata::new(scenario, mode, started_unix_ns, scheduling, law)
+            .with_programs(self.programs.clone())
+    }
+}
+
 /// A line from the recorder to the launcher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -60,7 +75,10 @@ pub struct Report {
 }
 
 /// Listens to the launcher: JSON lines on standard input.
-pub(crate) fn orders<Order: DeserializeOwned + Send + 'static>() -> io::Result<Receiver<Order>> {
+///
+/// # Errors
+/// If the thread that reads them cannot be started.
+pub fn orders<Order: DeserializeOwned + Send + 'static>() -> io::Result<Receiver<Order>> {
     let (sender, orders) = channel();
     std::thread::Builder::new().name("link".into()).spawn(move || {
         for line in std::io::stdin().lock().lines().map_while(Result::ok) {
@@ -75,7 +93,7 @@ pub(crate) fn orders<Order: DeserializeOwned + Send + 'static>() -> io::Result<R
 }
 
 /// Tells the launcher something: a JSON line on standard output.
-pub(crate) fn say(message: &impl Serialize) {
+pub fn say(message: &impl Serialize) {
     let line = serde_json::to_string(message).expect("link messages are plain data");
     // The launcher may be gone.
     let _ = writeln!(std::io::stdout().lock(), "{line}");

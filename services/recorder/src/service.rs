@@ -11,7 +11,6 @@ use crate::link::{FromRecorder, Report, Start, ToRecorder, orders, say};
 use crate::sequencer::{Placed, Sequencer};
 use crate::{Metadata, Recording, Tally, TopicTally, Writer};
 use runtime::{Group, Mode, RuntimeError, Tap, log_warnings, monotonic_ns};
-use scenario::Scenario;
 use std::ffi::OsString;
 use std::fs::File;
 use std::io;
@@ -21,7 +20,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 /// Time between two looks at the topics in lockstep, where senders wait for room.
 const LOCKSTEP_POLL: Duration = Duration::from_millis(1);
@@ -77,7 +76,7 @@ fn record(root: &Path, path: &Path) -> Result<Report, RecordError> {
     let start = begin(&taps, &orders)?;
     let sequencer =
         Sequencer::new(group.mode, scenario.services().iter().map(|service| service.to_wire()));
-    let metadata = metadata(&scenario, group.mode, &start);
+    let metadata = start.metadata(&scenario, group.mode);
     let disk = Disk::begin(file, metadata)?;
     let tally = follow(&group, &taps, &orders, &start, &disk, sequencer)?;
     let mut failed = disk.end(&tally);
@@ -157,15 +156,6 @@ fn kept(path: &Path, sent: &Tally) -> Tally {
         )
     });
     Tally { topics: topics.collect(), incarnations: sent.incarnations.clone() }
-}
-
-fn metadata(scenario: &Scenario, mode: Mode, start: &Start) -> Metadata {
-    let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    let now_ns = i64::try_from(since_1970.as_nanos()).unwrap_or(0);
-    let started_unix_ns = now_ns - (monotonic_ns() - start.start_ns);
-    let (scheduling, law) = (start.scheduling.clone(), start.law.clone());
-    Metadata::new(scenario, mode, started_unix_ns, scheduling, law)
-        .with_programs(start.programs.clone())
 }
 
 /// Work for the writer.

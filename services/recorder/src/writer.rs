@@ -1,13 +1,9 @@
 //! Writing a recording.
 
-use crate::cdr::ENCAPSULATION;
 use crate::definitions::{MESSAGE_ENCODING, SCHEMA_ENCODING};
-use crate::scene::{self, Scene};
-use crate::schema::ros2_definition_of;
-use crate::{Metadata, Tally};
-use mcap::records::MessageHeader;
+use crate::{Encoder, Metadata, Tally};
 use mcap::{Compression, McapError, WriteOptions};
-use messages::{Header, TOPICS, Topic};
+use messages::Topic;
 use runtime::Mode;
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Seek, Write};
@@ -21,13 +17,11 @@ const FLUSH_PERIOD_NS: i64 = 1_000_000_000;
 /// Writes messages to an MCAP file. Flushed messages survive the process.
 pub struct Writer<W: Write + Seek> {
     inner: mcap::Writer<BufWriter<W>>,
-    channels: BTreeMap<Topic, u16>,
-    payload: Vec<u8>,
-    epoch_ns: i64,
+    /// The file's numbers of the encoder's channels.
+    channels: Vec<u16>,
     /// Time when the file is flushed next, ns of run time; only in lockstep.
     flush_ns: Option<i64>,
-    scene: Scene,
-    scene_channels: [u16; scene::TOPICS.len()],
+    encoder: Encoder,
 }
 
 impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
@@ -38,7 +32,7 @@ impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
 
 impl<W: Write + Seek> Writer<W> {
     /// Begins a recording: schemas, channels and `metadata`. Beside the messages it will hold the road
-    /// as viewers draw it ([`scene`]).
+    /// as viewers draw it ([`crate::scene`]).
     ///
     /// # Errors
     /// If `file` cannot be written.
@@ -52,31 +46,19 @@ impl<W: Write + Seek> Writer<W> {
             .disable_seeking(true);
         let mut inner = options.create(BufWriter::new(file))?;
         inner.write_metadata(&metadata.to_record())?;
-        let mut channels = BTreeMap::new();
-        for topic in TOPICS {
-            let layout = topic.layout();
-            let definition = ros2_definition_of(layout, &metadata.law);
-            let schema =
-                inner.add_schema(layout.type_name, SCHEMA_ENCODING, definition.as_bytes())?;
-            let channel =
-                inner.add_channel(schema, topic.name(), MESSAGE_ENCODING, &BTreeMap::new())?;
-            channels.insert(topic, channel);
-        }
-        let mut scene_channels = [0; scene::TOPICS.len()];
-        for (topic, channel) in scene::TOPICS.iter().zip(&mut scene_channels) {
-            let definition = topic.definition.as_bytes();
-            let schema = inner.add_schema(topic.type_name, SCHEMA_ENCODING, definition)?;
-            *channel = inner.add_channel(schema, topic.name, MESSAGE_ENCODING, &BTreeMap::new())?;
+        let mut channels = Vec::new();
+        for channel in Encoder::channels(metadata) {
+            let definition = channel.definition.as_bytes();
+            let schema = inner.add_schema(channel.type_name, SCHEMA_ENCODING, definition)?;
+            let none = BTreeMap::new();
+            channels.push(inner.add_channel(schema, channel.topic, MESSAGE_ENCODING, &none)?);
         }
         inner.flush()?;
         Ok(Self {
             inner,
             channels,
-            payload: Vec::new(),
-            epoch_ns: metadata.epoch_ns,
             flush_ns: (metadata.mode == Mode::Lockstep).then_some(FLUSH_PERIOD_NS),
-            scene: Scene::of(metadata),
-            scene_channels,
+            encoder: Encoder::of(metadata),
         })
     }
 
@@ -93,42 +75,17 @@ impl<W: Write + Seek> Writer<W> {
         log_time_ns: i64,
         message: &[u8],
     ) -> Result<(), McapError> {
-        assert_eq!(message.len(), topic.message_bytes(), "{}", topic.name());
-        let head: Header = bytemuck::pod_read_unaligned(&message[..size_of::<Header>()]);
-        self.payload.clear();
-        self.payload.extend_from_slice(&ENCAPSULATION);
-        self.payload.extend_from_slice(message);
-        let header = MessageHeader {
-            channel_id: self.channels[&topic],
-            // The format's field is narrower than ours; the payload holds the whole number.
-            sequence: head.sequence as u32,
-            log_time: self.unix_ns(log_time_ns),
-            publish_time: self.unix_ns(head.publish_ns),
-        };
         if let Some(flush_ns) = self.flush_ns
             && log_time_ns >= flush_ns
         {
             self.inner.flush()?;
             self.flush_ns = Some((log_time_ns / FLUSH_PERIOD_NS + 1) * FLUSH_PERIOD_NS);
         }
-        self.inner.write_to_known_channel(&header, &self.payload)?;
-        let log_time = header.log_time;
-        self.scene.take(topic, log_time_ns, message);
-        for drawn in self.scene.drawn() {
-            let header = MessageHeader {
-                channel_id: self.scene_channels[drawn.topic],
-                sequence: drawn.sequence,
-                log_time,
-                publish_time: log_time,
-            };
-            self.inner.write_to_known_channel(&header, &drawn.payload)?;
-        }
-        Ok(())
-    }
-
-    /// An instant of run time as the file's time, ns since 1970.
-    fn unix_ns(&self, run_ns: i64) -> u64 {
-        u64::try_from(self.epoch_ns.saturating_add(run_ns)).unwrap_or(0)
+        let Self { inner, channels, encoder, .. } = self;
+        encoder.encode(topic, log_time_ns, message, |mut head, payload| {
+            head.channel_id = channels[usize::from(head.channel_id)];
+            inner.write_to_known_channel(&head, payload)
+        })
     }
 
     /// Hands everything so far to the system.

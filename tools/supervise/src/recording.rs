@@ -1,20 +1,20 @@
-//! The recorder's process beside a run: whatever happens to it, the run goes on and the summary
-//! says so.
+//! The processes beside a run that take its messages away: the recorder, and the bridge to a viewer. Whatever happens
+//! to them, the run goes on, and it says so.
 
+use crate::MachineError;
 use crate::root::RunRoot;
-use crate::start::attendant::Attendant;
+use crate::start::attendant::{Attendant, BRIDGE};
 use drive::{Exit, RecordingSummary};
-use messages::Service;
 use recorder::{FigureName, FromRecorder, LawNames, Recording, Start, ToRecorder};
-use runtime::Program;
-use runtime::scheduling::Granted;
 use scenario::Scenario;
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::ffi::OsString;
+use std::path::PathBuf;
 use std::time::Duration;
 
-/// Time that the recorder gets to be ready, and to write what it still holds at the end.
+/// Time that such a process gets to be ready, and to write what it still holds at the end.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// Time that a bridge gets to take leave of its viewers.
+const LEAVE: Duration = Duration::from_secs(2);
 
 /// Meaning of the numbers of the scenario's law.
 pub fn law_names(scenario: &Scenario) -> LawNames {
@@ -34,50 +34,54 @@ pub fn law_names(scenario: &Scenario) -> LawNames {
 }
 
 #[derive(Debug)]
-pub struct RecorderProcess {
-    path: PathBuf,
+pub struct Listener {
+    name: &'static str,
+    /// The recorder's file, or the bridge's address.
+    target: OsString,
     process: Option<Attendant>,
     failed: Option<String>,
     /// A fault of the scenario ended it: its end is expected.
     was_killed: bool,
 }
 
-impl RecorderProcess {
-    /// Starts recording to `path` in the services' process group.
-    pub fn spawn(path: &Path, root: &RunRoot, group: i32) -> Self {
-        let spawned = Attendant::spawn("recorder", &[path.as_os_str()], root, group);
-        let (process, failed) = match spawned {
+impl Listener {
+    /// Starts it in the services' process group.
+    pub fn spawn(name: &'static str, target: OsString, root: &RunRoot, group: i32) -> Self {
+        let (process, failed) = match Attendant::spawn(name, &[&target], root, group) {
             Ok(process) => (Some(process), None),
             Err(error) => (None, Some(error.to_string())),
         };
-        Self { path: path.to_owned(), process, failed, was_killed: false }
+        Self { name, target, process, failed, was_killed: false }
     }
 
-    /// Makes it connect to all services, which must be ready, and waits until it did.
-    pub fn connect(&mut self) {
-        let Some(process) = &mut self.process else { return };
+    /// Makes it connect to all services, which must be ready, and waits until it did. A run begins without its
+    /// recorder, but not without its bridge.
+    pub fn connect(&mut self) -> Result<(), MachineError> {
+        let Some(process) = &mut self.process else { return Ok(()) };
         process.send(&ToRecorder::Connect);
-        match process.receive(PATIENCE) {
-            Some(FromRecorder::Ready) => {}
-            Some(FromRecorder::Failed(reason)) => self.give_up(reason),
-            Some(FromRecorder::Report(_)) | None => self.give_up("it did not get ready".into()),
+        let reason = match process.receive(PATIENCE) {
+            Some(FromRecorder::Ready) => return Ok(()),
+            Some(FromRecorder::Failed(reason)) => reason,
+            Some(FromRecorder::Report(_)) | None => "it did not get ready".into(),
+        };
+        if self.name == BRIDGE {
+            return Err(MachineError(format!("the bridge: {reason}")));
+        }
+        self.give_up(reason);
+        Ok(())
+    }
+
+    /// Sends it the common start.
+    pub fn begin(&mut self, start: &Start) {
+        if let Some(process) = &mut self.process {
+            process.send(&ToRecorder::Start(start.clone()));
         }
     }
 
-    /// Sends it the common start, the granted scheduling, the user's programs, and the meaning of the law's numbers.
-    pub fn begin(
-        &mut self,
-        start_ns: i64,
-        scheduling: BTreeMap<String, Granted>,
-        programs: &BTreeMap<Service, Program>,
-        law: LawNames,
-    ) {
+    /// Ends it, when it has handed on what has been sent.
+    pub fn dismiss(mut self) {
         if let Some(process) = &mut self.process {
-            let programs = programs.iter();
-            let programs =
-                programs.map(|(service, program)| (service.name().into(), program.clone()));
-            let programs = programs.collect();
-            process.send(&ToRecorder::Start(Start { start_ns, scheduling, programs, law }));
+            process.end(LEAVE);
         }
     }
 
@@ -89,7 +93,7 @@ impl RecorderProcess {
         }
     }
 
-    /// True, once, when the recorder died: its buffers must be removed, or senders wait for it.
+    /// True, once, when it died: its buffers must be removed, or senders wait for it.
     pub fn has_died(&mut self) -> bool {
         let Some(process) = &mut self.process else { return false };
         if !process.is_gone() {
@@ -105,7 +109,7 @@ impl RecorderProcess {
         true
     }
 
-    /// Lets it write what has been sent, and ends it.
+    /// Lets the recorder write what has been sent, and ends it.
     pub fn finish(mut self) -> RecordingSummary {
         let reported = self.process.as_mut().and_then(|process| {
             process.send(&ToRecorder::Finish);
@@ -123,20 +127,20 @@ impl RecorderProcess {
             process.end(if tally.is_some() { PATIENCE } else { Duration::ZERO });
         }
         let messages = tally.as_ref().map(recorder::Tally::messages);
-        let in_file =
-            || Recording::open(&self.path).map_or(0, |file| file.records().count() as u64);
+        let path = PathBuf::from(self.target);
+        let in_file = || Recording::open(&path).map_or(0, |file| file.records().count() as u64);
         RecordingSummary {
             messages: messages.unwrap_or_else(in_file),
             lost: tally.as_ref().map(recorder::Tally::lost),
-            bytes: std::fs::metadata(&self.path).map_or(0, |file| file.len()),
+            bytes: std::fs::metadata(&path).map_or(0, |file| file.len()),
             failed,
-            path: self.path,
+            path,
         }
     }
 
     fn give_up(&mut self, reason: String) {
         if !self.was_killed {
-            tracing::warn!("the recorder is gone, the run continues without it: {reason}");
+            tracing::warn!("the {} is gone, the run continues without it: {reason}", self.name);
         }
         self.process = None;
         self.failed = Some(reason);

@@ -9,6 +9,7 @@ use openscenario::{Assignment, Choices, LaneHeadings};
 use runtime::Mode;
 use scenario::radio::Radio;
 use scenario::{Overrides, Scenario, Setting, Source};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -152,6 +153,8 @@ pub struct Keep {
     /// Shows others how to join while the run drives.
     pub live_file: Option<PathBuf>,
     pub recording: Option<PathBuf>,
+    /// Address at which viewers find the run.
+    pub bridge: Option<OsString>,
 }
 
 /// Drives a scenario through a process group. `watch` sees it go.
@@ -175,6 +178,7 @@ pub fn drive(
         start_delay,
         live_file: keep.live_file,
         recording: keep.recording,
+        bridge: keep.bridge,
     };
     launch(launching, watch)
 }

@@ -1,4 +1,4 @@
-//! A process of the group beside the services: the recorder, the replayer.
+//! A process of the group beside the services: the recorder, the bridge, the replayer.
 
 use crate::root::{RunRoot, open_lock, wipe};
 use crate::start::processes::{DONE, end_within, this_program};
@@ -15,6 +15,9 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, ExitCode, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
+
+/// Name of the one that serves viewers: in lockstep no sender waits for it.
+pub const BRIDGE: &str = "bridge";
 
 /// Such a process, and the JSON lines on its standard streams.
 #[derive(Debug)]
@@ -44,7 +47,9 @@ impl Attendant {
         inherit_only(&mut command, Some(root.lock()));
         let error = MachineError::cannot(format!("start the {name}"));
         let mut child = command.spawn().map_err(&error)?;
-        enroll_listener(root.path(), child.id())?;
+        if name != BRIDGE {
+            enroll_listener(root.path(), child.id())?;
+        }
         let input = child.stdin.take();
         let out = child.stdout.take().expect("piped");
         let (sender, lines) = channel();

@@ -13,6 +13,7 @@ use runtime::{
 use rustix::process::{Pid, Signal, kill_process};
 use scenario::Scenario;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::io::Write;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
@@ -273,6 +274,8 @@ pub struct Launch {
     pub live_file: Option<PathBuf>,
     /// File of the run's recording.
     pub recording: Option<PathBuf>,
+    /// Address of the run's bridge to viewers.
+    pub bridge: Option<OsString>,
 }
 
 /// The scenario as the services read it. It has the gap at which the law aims. So the referee can measure against it

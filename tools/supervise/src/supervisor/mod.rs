@@ -9,10 +9,11 @@ mod watch;
 use crate::events::{Event, ServiceProcess, follow_signals};
 use crate::faults::Faults;
 use crate::member::{Member, life};
-use crate::recording::{RecorderProcess, law_names};
+use crate::recording::{Listener, law_names};
 use crate::refusal::{check_processes, check_recorder};
 use crate::root::RunRoot;
 use crate::root::room::check_room;
+use crate::start::attendant::BRIDGE;
 use crate::start::live_file::LiveFile;
 use crate::start::processes::{Janitor, Launch, for_services};
 use crate::start::programs;
@@ -21,6 +22,7 @@ use drive::log::DriveLog;
 use drive::report::ServiceReport;
 use drive::{GroupOutcome, Moment};
 use messages::Service;
+use recorder::Start;
 use roster::Roster;
 use runtime::scheduling::{Granted, Priority};
 use runtime::{
@@ -28,6 +30,7 @@ use runtime::{
 };
 use scenario::runtime::Scheduling;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
@@ -76,6 +79,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
         events,
         faults: Faults::of(&launch.scenario),
         recording: None,
+        bridge: None,
         journal: Journal::default(),
     };
     let outcome = supervisor.run(watch);
@@ -114,7 +118,8 @@ struct Supervisor<'a> {
     roster: Roster<'a>,
     events: Receiver<Event>,
     faults: Faults,
-    recording: Option<RecorderProcess>,
+    recording: Option<Listener>,
+    bridge: Option<Listener>,
     journal: Journal,
 }
 
@@ -124,8 +129,10 @@ impl Supervisor<'_> {
         self.group.write()?;
         self.roster.start_all(self.launch)?;
         let (root, leader) = (self.roster.root, self.roster.leader());
-        self.recording = (self.launch.recording.as_deref())
-            .map(|path| RecorderProcess::spawn(path, root, leader));
+        let listener = |name| move |target: OsString| Listener::spawn(name, target, root, leader);
+        let Launch { recording, bridge, .. } = self.launch;
+        self.recording = recording.clone().map(OsString::from).map(listener("recorder"));
+        self.bridge = bridge.clone().map(listener(BRIDGE));
         let deadline_ms = self.launch.scenario.controller.deadline().value();
         enroll_listener(root.path(), std::process::id())?;
         let deadline_ns = i64::from(deadline_ms) * 1_000_000;
@@ -139,17 +146,19 @@ impl Supervisor<'_> {
         // A receiver connects at its first look. Before that, a full buffer loses messages instead of holding their
         // sender up.
         log.drain()?;
-        if let Some(recording) = &mut self.recording {
-            recording.connect();
-        }
+        self.recording.iter_mut().chain(&mut self.bridge).try_for_each(Listener::connect)?;
 
         let delay =
             i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
         self.start_ns = monotonic_ns() + delay;
-        if let Some(recording) = &mut self.recording {
-            let law = law_names(&self.launch.scenario);
-            recording.begin(self.start_ns, self.journal.granted.clone(), &self.programs, law);
-        }
+        let programs = self.programs.iter();
+        let start = Start {
+            start_ns: self.start_ns,
+            scheduling: self.journal.granted.clone(),
+            programs: programs.map(|(of, program)| (of.name().into(), program.clone())).collect(),
+            law: law_names(&self.launch.scenario),
+        };
+        self.recording.iter_mut().chain(&mut self.bridge).for_each(|one| one.begin(&start));
         self.begin_all();
         let live_file = self.launch.live_file.as_deref();
         let scenario = &self.launch.scenario;
@@ -165,6 +174,9 @@ impl Supervisor<'_> {
         }
         let ended = self.follow_run(&mut log, watch)?;
         drop(priority);
+        if let Some(bridge) = self.bridge.take() {
+            bridge.dismiss();
+        }
         let ran_ns = (monotonic_ns() - self.start_ns).max(0);
         let reports = self.reports(&log);
         let statistics =
@@ -194,7 +206,7 @@ impl Supervisor<'_> {
             drive: log.finish()?,
             ready_after,
             ran_for: Duration::from_nanos(ran_ns.unsigned_abs()),
-            recording: self.recording.take().map(RecorderProcess::finish),
+            recording: self.recording.take().map(Listener::finish),
             wrote: std::mem::take(&mut self.journal.wrote),
             programs: self.programs.clone(),
         })

@@ -5,7 +5,7 @@ use super::Supervisor;
 use crate::Error;
 use crate::events::{Event, ServiceProcess};
 use crate::member::Member;
-use crate::recording::RecorderProcess;
+use crate::recording::Listener;
 use crate::succession::{self, Phase};
 use drive::log::DriveLog;
 use drive::report::read;
@@ -76,7 +76,8 @@ impl Supervisor<'_> {
         while self.roster.iter().any(|member| member.report.is_none()) {
             let event = self.events.recv_timeout(self.until_next_look(realtime));
             log.drain()?;
-            if self.recording.as_mut().is_some_and(RecorderProcess::has_died) {
+            let listeners = self.recording.iter_mut().chain(&mut self.bridge);
+            if listeners.map(Listener::has_died).fold(false, |any, died| any | died) {
                 log.remove_dead();
             }
             let now_ns = self.now_ns();

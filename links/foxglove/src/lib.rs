@@ -1,0 +1,60 @@
+//! A run or a recording, live in Foxglove (or another viewer that speaks its WebSocket protocol).
+//!
+//! ```text
+//!   topics ─► taps ─► encoder ─► server ─┬─► queue ─► writer ─► viewer
+//!   (shared memory)  (as in a file)      └─► queue ─► writer ─► viewer
+//!   supervisor ◄──────── faults ◄──────────── reader ◄───────────┘
+//! ```
+//!
+//! The bridge is a process of its own beside the recorder. No sender waits for it: it misses what it does not take in
+//! time. Each viewer has a queue of bounded size, which loses its oldest messages. So neither the bridge nor a viewer
+//! can hold up a control loop, whatever becomes of them.
+//!
+//! The server listens on 127.0.0.1 alone. A viewer must be a process of the same user ([`guard`]), and a web page must
+//! come from Foxglove or from this machine.
+//!
+//! * [`Server`]: the protocol
+//! * [`run`]: the bridge of a group, which the supervisor starts
+//! * [`serve`]: the bridge of a run in progress, or of a recording
+
+mod client;
+mod guard;
+mod inject;
+mod live;
+mod pace;
+mod protocol;
+mod recorded;
+mod server;
+
+pub use live::{run, serve};
+pub use protocol::Parameter;
+pub use server::{Answer, Server, Subject};
+
+use supervise::UsageError;
+
+/// Port at which Foxglove looks first.
+const USUAL_PORT: u16 = 8765;
+
+/// Reads `foxglove[:PORT]`, the value of `option`; port 0 is any free one.
+///
+/// # Errors
+/// If it is another viewer or no port.
+///
+/// ```
+/// assert_eq!(foxglove_bridge::port("--bridge", "foxglove"), Ok(8765));
+/// assert_eq!(foxglove_bridge::port("--bridge", "foxglove:9000"), Ok(9000));
+/// let error = foxglove_bridge::port("--bridge", "foxglove:http").unwrap_err().to_string();
+/// assert_eq!(error, "--bridge foxglove:http: `http` is not a port, expected a number from 0 to 65535");
+/// ```
+pub fn port(option: &str, viewer: &str) -> Result<u16, UsageError> {
+    let (name, port) = viewer.split_once(':').map_or((viewer, None), |(a, b)| (a, Some(b)));
+    if name != "foxglove" {
+        let why = format_args!("there is no viewer `{name}`");
+        return Err(UsageError::option(option, viewer, why, "foxglove[:PORT]"));
+    }
+    let refuse = |port| {
+        let why = format_args!("`{port}` is not a port");
+        UsageError::option(option, viewer, why, "a number from 0 to 65535")
+    };
+    port.map_or(Ok(USUAL_PORT), |port| port.parse().map_err(|_| refuse(port)))
+}

@@ -1,0 +1,209 @@
+//! Foxglove's WebSocket protocol: JSON texts, and binary messages for what is large.
+//!
+//! <https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md>
+
+use recorder::Channel;
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+/// Names of the protocol that a client may offer, best first.
+pub(crate) const SUBPROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
+
+const MESSAGE_DATA: u8 = 1;
+const TIME: u8 = 2;
+const SERVICE_RESPONSE: u8 = 3;
+/// Client's binary message.
+const SERVICE_REQUEST: u8 = 2;
+
+/// Number of the only service.
+pub(crate) const SERVICE: u32 = 1;
+
+/// Name and value of what viewers may read: a number, a text, a truth value, or a list of them.
+pub type Parameter = (String, Value);
+
+pub(crate) fn server_info(name: &str, session: &str, has_service: bool) -> String {
+    let mut capabilities = vec!["time", "parameters"];
+    capabilities.extend(has_service.then_some("services"));
+    json!({
+        "op": "serverInfo",
+        "name": name,
+        "capabilities": capabilities,
+        "supportedEncodings": ["json"],
+        "metadata": {},
+        "sessionId": session,
+    })
+    .to_string()
+}
+
+/// Channel numbers are places in the list.
+pub(crate) fn advertise(channels: &[Channel]) -> String {
+    let one = |(id, channel): (usize, &Channel)| {
+        json!({
+            "id": id,
+            "topic": channel.topic,
+            "encoding": "cdr",
+            "schemaName": channel.type_name,
+            "schema": channel.definition,
+            "schemaEncoding": "ros2msg",
+        })
+    };
+    let channels: Vec<Value> = channels.iter().enumerate().map(one).collect();
+    json!({ "op": "advertise", "channels": channels }).to_string()
+}
+
+/// The service of this name, whose request and response are JSON of these schemas.
+pub(crate) fn advertise_service(name: &str, [request, response]: [Value; 2]) -> String {
+    let side = |schema: Value| {
+        json!({
+            "encoding": "json",
+            "schemaName": schema["title"],
+            "schemaEncoding": "jsonschema",
+            "schema": schema.to_string(),
+        })
+    };
+    let (request, response) = (side(request), side(response));
+    let service = json!({
+        "id": SERVICE, "name": name, "type": name, "request": request, "response": response,
+    });
+    json!({ "op": "advertiseServices", "services": [service] }).to_string()
+}
+
+/// The parameters of these names, or all without a name.
+pub(crate) fn parameter_values(
+    all: &[Parameter],
+    names: &[String],
+    request: Option<&str>,
+) -> String {
+    let asked = |(name, _): &&Parameter| names.is_empty() || names.contains(name);
+    let one = |(name, value): &Parameter| match value.is_f64() {
+        true => json!({ "name": name, "value": value, "type": "float64" }),
+        false => json!({ "name": name, "value": value }),
+    };
+    let parameters: Vec<Value> = all.iter().filter(asked).map(one).collect();
+    let mut answer = json!({ "op": "parameterValues", "parameters": parameters });
+    if let Some(request) = request {
+        answer["id"] = request.into();
+    }
+    answer.to_string()
+}
+
+/// A warning.
+pub(crate) fn status(message: &str) -> String {
+    json!({ "op": "status", "level": 1, "message": message }).to_string()
+}
+
+pub(crate) fn service_failure(call: u32, message: &str) -> String {
+    json!({ "op": "serviceCallFailure", "serviceId": SERVICE, "callId": call, "message": message })
+        .to_string()
+}
+
+pub(crate) fn service_response(call: u32, response: &[u8]) -> Vec<u8> {
+    const ENCODING: &[u8] = b"json";
+    let mut bytes = vec![SERVICE_RESPONSE];
+    bytes.extend(SERVICE.to_le_bytes());
+    bytes.extend(call.to_le_bytes());
+    bytes.extend((ENCODING.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(ENCODING);
+    bytes.extend_from_slice(response);
+    bytes
+}
+
+pub(crate) fn message_data(subscription: u32, time: u64, payload: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(13 + payload.len());
+    bytes.push(MESSAGE_DATA);
+    bytes.extend(subscription.to_le_bytes());
+    bytes.extend(time.to_le_bytes());
+    bytes.extend_from_slice(payload);
+    bytes
+}
+
+pub(crate) fn time(time: u64) -> Vec<u8> {
+    let mut bytes = vec![TIME];
+    bytes.extend(time.to_le_bytes());
+    bytes
+}
+
+/// A client's text.
+#[derive(Debug, PartialEq, Deserialize)]
+#[serde(tag = "op", rename_all = "camelCase", rename_all_fields = "camelCase")]
+pub(crate) enum Asked {
+    Subscribe {
+        subscriptions: Vec<Subscription>,
+    },
+    Unsubscribe {
+        subscription_ids: Vec<u32>,
+    },
+    GetParameters {
+        #[serde(default)]
+        parameter_names: Vec<String>,
+        id: Option<String>,
+    },
+    SetParameters {
+        id: Option<String>,
+    },
+    /// A request of a part of the protocol that this server does not offer.
+    #[serde(other)]
+    Other,
+}
+
+#[derive(Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Subscription {
+    pub(crate) id: u32,
+    pub(crate) channel_id: u16,
+}
+
+/// A client's call of a service: number of the call, and the request.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Call<'a> {
+    pub(crate) service: u32,
+    pub(crate) call: u32,
+    pub(crate) encoding: &'a [u8],
+    pub(crate) request: &'a [u8],
+}
+
+/// Reads a client's binary message; `None` if it is no call of a service.
+pub(crate) fn call(bytes: &[u8]) -> Option<Call<'_>> {
+    fn number(bytes: &[u8]) -> Option<(u32, &[u8])> {
+        let (number, rest) = bytes.split_first_chunk()?;
+        Some((u32::from_le_bytes(*number), rest))
+    }
+    let rest = bytes.strip_prefix(&[SERVICE_REQUEST])?;
+    let (service, rest) = number(rest)?;
+    let (call, rest) = number(rest)?;
+    let (length, rest) = number(rest)?;
+    let (encoding, request) = rest.split_at_checked(usize::try_from(length).ok()?)?;
+    Some(Call { service, call, encoding, request })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_of_clients_are_read_and_unknown_ones_are_passed_over() {
+        let read = |text: &str| serde_json::from_str::<Asked>(text).ok();
+        let subscriptions = vec![Subscription { id: 7, channel_id: 2 }];
+        let text = r#"{"op":"subscribe","subscriptions":[{"id":7,"channelId":2}]}"#;
+        assert_eq!(read(text), Some(Asked::Subscribe { subscriptions }));
+        let text = r#"{"op":"unsubscribe","subscriptionIds":[7]}"#;
+        assert_eq!(read(text), Some(Asked::Unsubscribe { subscription_ids: vec![7] }));
+        assert_eq!(read(r#"{"op":"subscribeConnectionGraph"}"#), Some(Asked::Other));
+        assert_eq!(read(r#"{"op":"subscribe","subscriptions":[{"id":-1,"channelId":2}]}"#), None);
+        assert_eq!(read("[]"), None);
+    }
+
+    #[test]
+    fn a_call_is_read_and_a_short_one_is_none() {
+        let mut bytes = vec![2, 1, 0, 0, 0, 9, 0, 0, 0, 4, 0, 0, 0];
+        bytes.extend_from_slice(b"json{}");
+        let read = call(&bytes).expect("a call");
+        assert_eq!(
+            (read.service, read.call, read.encoding, read.request),
+            (1, 9, &b"json"[..], &b"{}"[..])
+        );
+        for length in 0..17 {
+            assert_eq!(call(&bytes[..length]), None, "{length} bytes");
+        }
+    }
+}
