@@ -53,7 +53,7 @@ async def view(port: str, fault: str | None) -> dict:
                 elif message[0] == 2:
                     seen["times"] += 1
                 elif message[0] == 3:
-                    seen["answer"] = json.loads(message[13:])
+                    seen["answer"] = json.loads(message[17:])
         except websockets.ConnectionClosed as closed:
             seen["end"] = closed.rcvd.reason if closed.rcvd else "cut off"
     return seen
