@@ -9,7 +9,7 @@ use std::process::Command;
 /// Layers, lowest first. A crate depends on crates of lower layers only; no crate imports the command at the
 /// top.
 const LAYERS: [&[&str]; 11] = [
-    &["bags", "messages", "mpc-solver", "truck-model"],
+    &["bags", "fmi", "messages", "mpc-solver", "truck-model"],
     &["scenario"],
     &["law", "radio"],
     &["laws", "runtime"],
@@ -26,7 +26,9 @@ const LAYERS: [&[&str]; 11] = [
 ];
 
 /// Crates of one layer that depend on each other in this order.
-const WITHIN: [(&str, &str); 5] = [
+const WITHIN: [(&str, &str); 7] = [
+    ("fmi", "messages"),
+    ("fmi", "openscenario"),
     ("report", "supervise"),
     ("openscenario", "random"),
     ("openscenario", "road"),

@@ -171,8 +171,8 @@ impl RoadsideUnit {
 
     fn receive(&mut self) {
         while let Some(frame) = self.carrier.receive(0) {
-            let Ok(its::Frame { message: Message::Cam(cam), source }) =
-                its::Frame::decode(frame.bytes())
+            let Ok((its::Frame { message: Message::Cam(cam), source }, _)) =
+                its::signed::decode(frame.bytes())
             else {
                 self.not_read += 1;
                 continue;

@@ -64,11 +64,8 @@ pub struct ProgramReport {
     pub refused: u64,
     /// Releases at which there was no program to ask: the law's backup drove.
     pub absent: u64,
-    /// Its failures, at most [`MAX_FAILURES`] of them.
+    /// Its failures, as many as the host keeps.
     pub failures: Vec<String>,
     /// It failed too often and was not started again.
     pub given_up: bool,
 }
-
-/// Failures of a program that are kept.
-pub const MAX_FAILURES: usize = 8;

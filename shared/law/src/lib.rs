@@ -16,7 +16,7 @@ mod reader;
 pub mod settings;
 
 pub use descriptor::{Descriptor, Figure, Formulation, GapPolicy};
-pub use hosted::{Hosted, HostedError, MAX_FAILURES, ProgramReport};
+pub use hosted::{Hosted, HostedError, ProgramReport};
 pub use input::{
     Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, Powertrain, SignalAhead, Target,
 };

@@ -32,6 +32,7 @@ mod counts;
 mod error;
 mod faults;
 mod guest;
+pub mod hosted;
 mod in_process;
 mod life;
 mod machine;

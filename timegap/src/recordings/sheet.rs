@@ -1,7 +1,7 @@
 //! Files of an export while they are written: tables as CSV or Parquet, frames as a capture for Wireshark.
 
 use its::geonetworking::Headers;
-use its::pcap;
+use its::{pcap, signed};
 use messages::{RadioFrames, RadioSent, Value};
 use parquet_writer::{Cells, Writer};
 use recorder::Record;
@@ -185,7 +185,10 @@ impl Capture {
             let mut writer = pcap::Writer::new(BufWriter::new(File::create(&path)?))?;
             for (unix_ns, frame) in &self.frames {
                 // An unreadable frame has no known sender.
-                let address = Headers::read(frame).map_or(0, |(headers, _)| headers.source.address);
+                let opened = signed::open(frame).ok().flatten();
+                let packet = opened.as_ref().map_or(frame, |(_, packet)| packet);
+                let address =
+                    Headers::read(packet).map_or(0, |(headers, _)| headers.source.address);
                 writer.write(*unix_ns, address as u32, frame)?;
             }
             writer.finish()

@@ -100,11 +100,13 @@ pub fn executable(command: &[String], directory: &Path) -> Result<PathBuf, Progr
     let is_executable = |path: &Path| {
         path.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
     };
-    if name.contains('/') {
+    // A unit of the Functional Mock-up Interface is run by a process of timegap's own.
+    let is_unit = name.to_ascii_lowercase().ends_with(".fmu");
+    if is_unit || name.contains('/') {
         let path = directory.join(name);
         return match path.metadata() {
             Err(_) => Err(ProgramError::Missing(name.clone())),
-            Ok(_) if is_executable(&path) => Ok(path),
+            Ok(_) if is_unit || is_executable(&path) => Ok(path),
             Ok(_) => Err(ProgramError::NotExecutable(name.clone())),
         };
     }

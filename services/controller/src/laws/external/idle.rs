@@ -4,9 +4,8 @@
 //! history gives another drive than in a process of its own. The runs that studies repeat show
 //! this.
 
-use super::channel::Channel;
-use super::host::Host;
-use super::process::Plan;
+use super::law::Program;
+use runtime::hosted::Plan;
 use std::cell::RefCell;
 
 /// Most programs that wait.
@@ -14,31 +13,25 @@ const MOST: usize = 8;
 
 thread_local! {
     /// Oldest first.
-    static IDLE: RefCell<Vec<Idle>> = const { RefCell::new(Vec::new()) };
-}
-
-struct Idle {
-    plan: Plan,
-    // The channel before the host: a program goes when its input ends.
-    channel: Box<Channel>,
-    host: Host,
+    static IDLE: RefCell<Vec<Program>> = const { RefCell::new(Vec::new()) };
 }
 
 /// A program of this plan that waits.
-pub(super) fn take(plan: &Plan) -> Option<(Box<Channel>, Host)> {
+pub(super) fn take(plan: &Plan) -> Option<Program> {
     IDLE.with_borrow_mut(|idle| {
-        let place = idle.iter().position(|idle| idle.plan == *plan)?;
-        let Idle { channel, host, .. } = idle.remove(place);
-        Some((channel, host))
+        let place = idle.iter().position(|idle| idle.plan() == plan)?;
+        let mut program = idle.remove(place);
+        program.forget();
+        Some(program)
     })
 }
 
 /// Lets a program wait that has answered all questions.
-pub(super) fn put(plan: Plan, channel: Box<Channel>, host: Host) {
+pub(super) fn put(program: Program) {
     // A thread that ends keeps none.
     let _ = IDLE.try_with(|idle| {
         let mut idle = idle.borrow_mut();
-        idle.push(Idle { plan, channel, host });
+        idle.push(program);
         if idle.len() > MOST {
             idle.remove(0);
         }

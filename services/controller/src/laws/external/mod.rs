@@ -1,15 +1,7 @@
 //! A law in any language (`external`): a program of the user's, which this process hosts.
 //!
-//! The program reads questions from its standard input and writes answers to its standard output. Both
-//! are records of fixed layout ([`messages::LawInput`], [`messages::LawAnswer`]; `timegap print layouts --law`
-//! prints them for Python and C). It answers each question once, in order, with the question's sequence
-//! number, and ends when its input does. Standard error is for what a person is to read.
-//!
-//! ```text
-//!   control loop ── question ──► pipe ──► program
-//!        ▲                                   │
-//!        └──── answer, or the backup ◄─ pipe ┘        host thread: start, prove, replace, end
-//! ```
+//! [`runtime::hosted`] hosts it. Questions and answers are [`messages::LawInput`] and [`messages::LawAnswer`];
+//! `timegap print layouts --law` prints them for Python and C. Standard error is for what a person is to read.
 //!
 //! | | in real time | in simulated time |
 //! | --- | --- | --- |
@@ -20,14 +12,13 @@
 //! A first answer that is wrong or does not come keeps the run from beginning, with status 2. The backup
 //! is the road controller `cacc-mpc`, from its initial state each time that it takes over. The program
 //! does not outlive this process, however that ends.
+//!
+//! A unit of the Functional Mock-up Interface in a program's place is run by a process of timegap's own ([`fmi`]).
 
 mod asked;
 mod backup;
-mod channel;
-mod host;
 mod idle;
 mod law;
-mod process;
 mod record;
 
 pub use asked::{Asked, Questions};
@@ -40,8 +31,8 @@ use crate::law::settings::{self, Table};
 use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader};
 use backup::Backup;
 use parameters::parameters;
-use process::Plan;
 use record::Bounds;
+use runtime::hosted::Plan;
 use runtime::{Program, ProgramError, executable};
 use scenario::schema::Schema;
 use scenario::{Problem, Scenario};
@@ -168,16 +159,22 @@ fn program_law(
 ) -> Result<Box<dyn Law>, Problem> {
     let settings: Settings = reader.table(TABLE.name)?;
     let directory = directory.unwrap_or_default();
-    executable(&command, &directory).map_err(|error| refused(path, &error))?;
+    let file = executable(&command, &directory).map_err(|error| refused(path, &error))?;
+    if fmi::is_unit(&command[0]) {
+        fmi::check_law(&file, &command[1..]).map_err(|error| {
+            Problem::new(path, format!("{}: {}", error.place, error.fault), error.expected)
+        })?;
+    }
     let plan = Plan {
+        part: "law",
         command,
         variables,
         directory,
         patience: Duration::from_secs_f64(settings.patience_s),
+        silence: Duration::from_secs_f64(settings.silence_s),
         supervision: reader.scenario().supervision,
     };
-    let silence = Duration::from_secs_f64(settings.silence_s);
-    Ok(Box::new(External::new(plan, silence, bounds, backup(reader)?)))
+    Ok(Box::new(External::new(plan, bounds, backup(reader)?)))
 }
 
 /// The road controller that takes over.

@@ -1,7 +1,8 @@
-//! A program's process: its start, its last words, its end.
+//! A hosted program's process: its start, its last words, its end.
 
 use super::channel::{Channel, ChannelError};
-use runtime::{die_with_this_thread, inherit_only};
+use crate::machine::spawn::{die_with_this_thread, inherit_only};
+use bytemuck::Pod;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use scenario::supervision::Supervision;
 use std::collections::VecDeque;
@@ -25,35 +26,49 @@ const LAST_WORDS: usize = 3;
 
 /// Program to host.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Plan {
-    pub(super) command: Vec<String>,
+pub struct Plan {
+    /// What it computes, in a word: `law`.
+    pub part: &'static str,
+    /// Its name and its arguments.
+    pub command: Vec<String>,
     /// Variables of its environment, beside this process's own.
-    pub(super) variables: Vec<(String, String)>,
-    pub(super) directory: PathBuf,
+    pub variables: Vec<(String, String)>,
+    /// Directory in which it runs.
+    pub directory: PathBuf,
     /// Time for the first answer.
-    pub(super) patience: Duration,
+    pub patience: Duration,
+    /// Time for which it may owe an answer in real time.
+    pub silence: Duration,
     /// Budget of restarts.
-    pub(super) supervision: Supervision,
+    pub supervision: Supervision,
 }
 
 impl Plan {
     /// The program in a sentence.
-    pub(super) fn subject(&self) -> String {
-        format!("the law `{}`", self.command.join(" ").escape_debug())
+    #[must_use]
+    pub fn subject(&self) -> String {
+        format!("the {} `{}`", self.part, self.command.join(" ").escape_debug())
     }
 }
 
 /// Reason why a program does not start.
 #[derive(Debug, Error)]
-pub(super) enum StartError {
+pub enum StartError {
+    /// Its command has no words.
     #[error("it has no name")]
     NoName,
+    /// It has no pipe to one of its standard streams.
     #[error("no pipe")]
     NoPipe,
+    /// The system refuses it.
     #[error(transparent)]
     System(#[from] io::Error),
+    /// Its pipes cannot be used.
     #[error(transparent)]
     Channel(#[from] ChannelError),
+    /// The process of a unit cannot be started.
+    #[error(transparent)]
+    Unit(#[from] fmi::UnitError),
 }
 
 /// A program that runs.
@@ -66,10 +81,17 @@ pub(super) struct Process {
 
 impl Process {
     /// Starts it.
-    pub(super) fn start(plan: &Plan) -> Result<(Self, Channel), StartError> {
+    pub(super) fn start<Q: Pod, A: Pod>(plan: &Plan) -> Result<(Self, Channel<Q, A>), StartError> {
         let (name, arguments) = plan.command.split_first().ok_or(StartError::NoName)?;
+        let place = plan.directory.join(name);
         let mut command = match name.contains('/') {
-            true => Command::new(plan.directory.join(name)),
+            _ if fmi::is_unit(name) => {
+                let host = fmi::host(plan.part)?;
+                let mut command = Command::new(&host[0]);
+                command.args(&host[1..]).arg(place);
+                command
+            }
+            true => Command::new(place),
             false => Command::new(name),
         };
         command
@@ -84,7 +106,7 @@ impl Process {
         die_with_this_thread(&mut command);
         let child = command.spawn()?;
         let mut process = Self { child, words: Arc::default(), is_reaped: false };
-        match process.open() {
+        match process.open(plan) {
             Ok(channel) => Ok((process, channel)),
             Err(why) => {
                 process.end(Duration::ZERO);
@@ -94,15 +116,16 @@ impl Process {
     }
 
     /// Takes its pipes: the channel, and a thread that reads its standard error.
-    fn open(&mut self) -> Result<Channel, StartError> {
+    fn open<Q: Pod, A: Pod>(&mut self, plan: &Plan) -> Result<Channel<Q, A>, StartError> {
         let questions = self.child.stdin.take().ok_or(StartError::NoPipe)?;
         let answers = self.child.stdout.take().ok_or(StartError::NoPipe)?;
         let errors = self.child.stderr.take().ok_or(StartError::NoPipe)?;
-        let words = Arc::clone(&self.words);
+        let (words, part) = (Arc::clone(&self.words), plan.part);
+        let is_unit = plan.command.first().is_some_and(|name| fmi::is_unit(name));
         std::thread::Builder::new()
-            .name("law-words".into())
+            .name("program-words".into())
             .stack_size(128 << 10)
-            .spawn(move || read_errors(errors, &words))?;
+            .spawn(move || read_errors(errors, &words, part, is_unit))?;
         Ok(Channel::new(questions.into(), answers.into())?)
     }
 
@@ -163,8 +186,9 @@ impl Process {
     }
 }
 
-/// Hands the first lines of a program's standard error on, and keeps the last ones.
-fn read_errors(errors: ChildStderr, words: &Mutex<VecDeque<String>>) {
+/// Hands the first lines of a program's standard error on, and keeps the last ones. The last word of a unit's process
+/// stands in the error that the host makes of it.
+fn read_errors(errors: ChildStderr, words: &Mutex<VecDeque<String>>, part: &str, is_unit: bool) {
     let mut reader = BufReader::new(errors);
     let (mut line, mut lines) = (Vec::new(), 0);
     loop {
@@ -178,11 +202,17 @@ fn read_errors(errors: ChildStderr, words: &Mutex<VecDeque<String>>) {
         if text.is_empty() {
             continue;
         }
-        lines += 1;
-        if lines <= KEPT_LINES {
-            // A closed standard error is ignored.
-            let _ = writeln!(std::io::stderr(), "law: {text}");
-        }
+        let text = match text.strip_prefix(fmi::LAST_WORD).filter(|_| is_unit) {
+            Some(last) => last.to_owned(),
+            None => {
+                lines += 1;
+                if lines <= KEPT_LINES {
+                    // A closed standard error is ignored.
+                    let _ = writeln!(std::io::stderr(), "{part}: {text}");
+                }
+                text
+            }
+        };
         let mut words = words.lock().expect("no holder panics");
         words.push_back(text);
         if words.len() > LAST_WORDS {

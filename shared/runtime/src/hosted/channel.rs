@@ -1,41 +1,43 @@
 //! The two pipes to a program: one question at a time, and its answer.
 
-use bytemuck::Zeroable;
-use messages::{LawAnswer, LawInput};
+use bytemuck::Pod;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
 use rustix::io::{Errno, read, write};
+use std::marker::PhantomData;
 use std::os::fd::OwnedFd;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// Size of an answer, bytes.
-pub(super) const ANSWER: usize = size_of::<LawAnswer>();
 /// Bytes of a wrong answer that are shown.
 const SHOWN: usize = 40;
 
 /// Misbehaviour of a program.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub(super) enum ChannelError {
+pub enum ChannelError {
     /// It ended, or closed its output.
     #[error("ended")]
     Closed,
     /// Its output is not an answer to the question.
     #[error(
-        "wrote {shown} where an answer of {ANSWER} bytes was expected that begins with the question's \
+        "wrote {shown} where an answer of {bytes} bytes was expected that begins with the question's \
          number, {expected}, as 8 bytes"
     )]
     Garbage {
         /// The bytes as a person may read them.
         shown: String,
+        /// Bytes of an answer.
+        bytes: usize,
         /// Number of the question.
         expected: u64,
     },
     /// It wrote although it had been asked nothing.
-    #[error("wrote {shown} without a question, expected one answer of {ANSWER} bytes to each")]
+    #[error("wrote {shown} without a question, expected one answer of {bytes} bytes to each")]
     Unasked {
         /// The bytes as a person may read them.
         shown: String,
+        /// Bytes of an answer.
+        bytes: usize,
     },
     /// It has not answered.
     #[error("gave no answer within {} s", patience.as_secs_f64())]
@@ -48,26 +50,29 @@ pub(super) enum ChannelError {
     Pipe(Errno),
 }
 
-/// The pipes.
+/// The pipes. Questions `Q` and answers `A` are records that begin with the question's number.
 #[derive(Debug)]
-pub(super) struct Channel {
+pub(super) struct Channel<Q, A> {
     questions: OwnedFd,
     answers: OwnedFd,
-    part: [u8; ANSWER],
+    part: Vec<u8>,
     filled: usize,
     /// The question that is not answered yet, and since when.
     asked: Option<(u64, Instant)>,
     next: u64,
+    records: PhantomData<(Q, A)>,
 }
 
-impl Channel {
+impl<Q: Pod, A: Pod> Channel<Q, A> {
     pub(super) fn new(questions: OwnedFd, answers: OwnedFd) -> Result<Self, ChannelError> {
         for end in [&questions, &answers] {
             fcntl_getfl(end)
                 .and_then(|flags| fcntl_setfl(end, flags | OFlags::NONBLOCK))
                 .map_err(ChannelError::Pipe)?;
         }
-        Ok(Self { questions, answers, part: [0; ANSWER], filled: 0, asked: None, next: 1 })
+        let part = vec![0; size_of::<A>()];
+        let records = PhantomData;
+        Ok(Self { questions, answers, part, filled: 0, asked: None, next: 1, records })
     }
 
     /// Number of the next question.
@@ -81,12 +86,13 @@ impl Channel {
     }
 
     /// Asks `question`, whose number is the next one.
-    pub(super) fn ask(&mut self, question: &LawInput) -> Result<(), ChannelError> {
-        debug_assert!(self.asked.is_none() && question.sequence == self.next);
-        if self.filled > 0 || self.fill()? {
-            return Err(ChannelError::Unasked { shown: shown(&self.part[..self.filled]) });
-        }
+    pub(super) fn ask(&mut self, question: &Q) -> Result<(), ChannelError> {
         let bytes = bytemuck::bytes_of(question);
+        debug_assert!(self.asked.is_none() && bytes.starts_with(&self.next.to_le_bytes()));
+        if self.filled > 0 || self.fill()? {
+            let shown = shown(&self.part[..self.filled]);
+            return Err(ChannelError::Unasked { shown, bytes: size_of::<A>() });
+        }
         // Up to PIPE_BUF bytes are written whole or not at all.
         loop {
             match write(&self.questions, bytes) {
@@ -98,13 +104,13 @@ impl Channel {
                 Err(error) => return Err(ChannelError::Pipe(error)),
             }
         }
-        self.asked = Some((question.sequence, Instant::now()));
+        self.asked = Some((self.next, Instant::now()));
         self.next += 1;
         Ok(())
     }
 
     /// The answer to the question, if it is there by `deadline`.
-    pub(super) fn answer(&mut self, deadline: Instant) -> Result<Option<LawAnswer>, ChannelError> {
+    pub(super) fn answer(&mut self, deadline: Instant) -> Result<Option<A>, ChannelError> {
         let Some((number, _)) = self.asked else { return Ok(None) };
         loop {
             let more = self.fill()?;
@@ -112,10 +118,11 @@ impl Channel {
             let seen = self.filled.min(8);
             if self.part[..seen] != number.to_le_bytes()[..seen] {
                 let shown = shown(&self.part[..self.filled]);
-                return Err(ChannelError::Garbage { shown, expected: number });
+                let bytes = size_of::<A>();
+                return Err(ChannelError::Garbage { shown, bytes, expected: number });
             }
-            if self.filled == ANSWER {
-                let mut answer = LawAnswer::zeroed();
+            if self.filled == self.part.len() {
+                let mut answer = A::zeroed();
                 bytemuck::bytes_of_mut(&mut answer).copy_from_slice(&self.part);
                 (self.filled, self.asked) = (0, None);
                 return Ok(Some(answer));
@@ -137,7 +144,7 @@ impl Channel {
 
     /// Takes what is there; true if it was anything.
     fn fill(&mut self) -> Result<bool, ChannelError> {
-        if self.filled == ANSWER {
+        if self.filled == self.part.len() {
             return Ok(false);
         }
         loop {
@@ -170,16 +177,20 @@ fn shown(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bytemuck::Zeroable;
+    use messages::{LawAnswer, LawInput};
     use rustix::pipe::pipe;
 
+    type LawChannel = Channel<LawInput, LawAnswer>;
+
     /// A channel, and the program's ends of it.
-    fn channel() -> (Channel, OwnedFd, OwnedFd) {
+    fn channel() -> (LawChannel, OwnedFd, OwnedFd) {
         let (theirs, questions) = pipe().expect("a pipe");
         let (answers, ours) = pipe().expect("a pipe");
         (Channel::new(questions, answers).expect("pipes"), theirs, ours)
     }
 
-    fn ask(channel: &mut Channel) -> Result<(), ChannelError> {
+    fn ask(channel: &mut LawChannel) -> Result<(), ChannelError> {
         let sequence = channel.next_number();
         channel.ask(&LawInput { sequence, ..LawInput::zeroed() })
     }

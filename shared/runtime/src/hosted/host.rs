@@ -1,4 +1,4 @@
-//! The thread that starts a law's program, proves it, replaces it and ends it.
+//! The thread that starts a program, proves it, replaces it and ends it.
 //!
 //! It is not real-time: the control loop never waits for a process to start or to go. The kernel kills the program when
 //! this thread ends, for whatever reason. The program and its children form a process group of their own, which is
@@ -6,10 +6,9 @@
 
 use super::channel::{Channel, ChannelError};
 use super::process::{GRACE, Plan, Process, StartError};
-use super::record::question;
-use crate::law::MAX_FAILURES;
-use crate::law::{HostedError, Input};
-use runtime::scheduling::lend_to;
+use super::{MAX_FAILURES, Proof};
+use crate::machine::scheduling::lend_to;
+use bytemuck::Pod;
 use scenario::Scenario;
 use scenario::supervision::Supervision;
 use std::collections::VecDeque;
@@ -20,9 +19,9 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// Reason why a law has no program.
+/// Reason why there is no program.
 #[derive(Debug, Error)]
-pub(super) enum HostError {
+pub enum HostError {
     /// The thread that would start it.
     #[error("{subject} cannot be hosted: {reason}")]
     NoThread {
@@ -34,12 +33,20 @@ pub(super) enum HostError {
     },
     /// It does not run.
     #[error("{subject} cannot be started: {reason}")]
-    NotStarted { subject: String, reason: StartError },
-    /// Its first answer is not a finite number.
-    #[error(
-        "{subject} gave a wrong first answer: request_mps2 = {request_mps2}, expected a finite number"
-    )]
-    FirstAnswer { subject: String, request_mps2: f64 },
+    NotStarted {
+        /// The program in a sentence.
+        subject: String,
+        /// Error of its start.
+        reason: StartError,
+    },
+    /// Its first answer cannot be used.
+    #[error("{subject} gave a wrong first answer: {what}")]
+    FirstAnswer {
+        /// The program in a sentence.
+        subject: String,
+        /// Fault of the answer.
+        what: String,
+    },
     /// It ended, or did not answer as it should.
     #[error(
         "{subject} {what}{}{words}{}",
@@ -47,6 +54,7 @@ pub(super) enum HostError {
         if *first { " (it had not answered once)" } else { "" }
     )]
     Failed {
+        /// The program in a sentence.
         subject: String,
         /// Behaviour of the program.
         what: String,
@@ -57,10 +65,16 @@ pub(super) enum HostError {
     },
     /// The budget of starts is used up.
     #[error("{subject} failed too often and is not started again")]
-    TooOften { subject: String },
+    TooOften {
+        /// The program in a sentence.
+        subject: String,
+    },
     /// The thread does not answer in time.
-    #[error("the host of the law does not answer")]
+    #[error("the host of the program does not answer")]
     Silent,
+    /// The program's fault, where the thread cannot say more of it.
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
 }
 
 /// Request of the control loop.
@@ -76,40 +90,50 @@ enum Order {
 
 /// Answer of the thread.
 #[derive(Debug)]
-pub(super) enum News {
+pub(super) enum News<Q, A> {
     /// A program that gave its first answer.
-    Ready(Box<Channel>),
+    Ready(Box<Channel<Q, A>>),
     /// There will be none any more.
-    Ended(HostedError),
+    Ended(HostError),
 }
 
 /// Record of all programs so far.
-#[derive(Debug, Default)]
-pub(super) struct Life {
-    pub(super) starts: u64,
-    pub(super) failures: Vec<String>,
-    pub(super) given_up: bool,
+#[derive(Clone, Debug, Default)]
+pub struct Life {
+    /// Times that it was started.
+    pub starts: u64,
+    /// Its failures, at most [`MAX_FAILURES`] of them.
+    pub failures: Vec<String>,
+    /// It failed too often and was not started again.
+    pub given_up: bool,
 }
 
 /// The control loop's side of the thread.
 #[derive(Debug)]
-pub(super) struct Host {
+pub(super) struct Host<Q, A> {
     orders: Option<Sender<Order>>,
-    pub(super) news: Receiver<News>,
-    pub(super) life: Arc<Mutex<Life>>,
+    pub(super) news: Receiver<News<Q, A>>,
+    life: Arc<Mutex<Life>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Host {
+impl<Q: Pod + Send, A: Pod + Send> Host<Q, A> {
     /// Starts the thread, which starts the program.
-    pub(super) fn start(plan: Plan) -> Result<Self, HostError> {
+    pub(super) fn start(plan: Plan, proof: Proof<Q, A>) -> Result<Self, HostError> {
         let (orders, inbox) = channel();
         let (outbox, news) = channel();
         let life = Arc::new(Mutex::new(Life::default()));
         let subject = plan.subject();
-        let own = Thread { plan, orders: inbox, news: outbox, life: Arc::clone(&life), lent: None };
+        let own = Thread {
+            plan,
+            proof,
+            orders: inbox,
+            news: outbox,
+            life: Arc::clone(&life),
+            lent: None,
+        };
         let thread = std::thread::Builder::new()
-            .name("law-host".into())
+            .name("program-host".into())
             .spawn(move || own.run())
             .map_err(|reason| HostError::NoThread { subject, reason })?;
         Ok(Self { orders: Some(orders), news, life, thread: Some(thread) })
@@ -130,6 +154,11 @@ impl Host {
         self.order(Order::Lend(Box::new(scenario.clone())));
     }
 
+    /// Record of all programs so far.
+    pub(super) fn life(&self) -> Life {
+        self.life.lock().expect("no holder panics").clone()
+    }
+
     fn order(&self, order: Order) {
         if let Some(orders) = &self.orders {
             // The thread may have given up.
@@ -138,7 +167,7 @@ impl Host {
     }
 }
 
-impl Drop for Host {
+impl<Q, A> Drop for Host<Q, A> {
     fn drop(&mut self) {
         // The end of the orders is the order to end; the program's input must be closed before.
         self.orders = None;
@@ -149,15 +178,16 @@ impl Drop for Host {
 }
 
 /// The thread.
-struct Thread {
+struct Thread<Q, A> {
     plan: Plan,
+    proof: Proof<Q, A>,
     orders: Receiver<Order>,
-    news: Sender<News>,
+    news: Sender<News<Q, A>>,
     life: Arc<Mutex<Life>>,
     lent: Option<Box<Scenario>>,
 }
 
-impl Thread {
+impl<Q: Pod + Send, A: Pod + Send> Thread<Q, A> {
     fn run(mut self) {
         let mut restarts = Restarts::default();
         let mut first = true;
@@ -189,7 +219,7 @@ impl Thread {
         loop {
             match self.orders.recv() {
                 Ok(Order::Lend(scenario)) => {
-                    lend_to(process.pid(), &scenario, messages::Service::Controller);
+                    lend_to(process.pid(), &scenario, self.proof.service);
                     self.lent = Some(scenario);
                 }
                 Ok(Order::Replace(error)) => {
@@ -226,26 +256,26 @@ impl Thread {
     }
 
     /// Starts a program and reads its first answer.
-    fn begin(&mut self) -> Result<(Process, Channel), HostError> {
+    fn begin(&mut self) -> Result<(Process, Channel<Q, A>), HostError> {
         let subject = || self.plan.subject();
         let (mut process, mut channel) = Process::start(&self.plan)
             .map_err(|reason| HostError::NotStarted { subject: subject(), reason })?;
         self.life.lock().expect("no holder panics").starts += 1;
         let deadline = Instant::now() + self.plan.patience;
-        let probe = question(&Input { period_s: 0.1, ..Input::default() }, 1, true);
-        let answered = channel.ask(&probe).and_then(|()| channel.answer(deadline));
-        match answered {
-            Ok(Some(answer)) if answer.request_mps2.is_finite() => {
-                if let Some(scenario) = &self.lent {
-                    lend_to(process.pid(), scenario, messages::Service::Controller);
+        let asked = channel.ask(&self.proof.question);
+        match asked.and_then(|()| channel.answer(deadline)) {
+            Ok(Some(answer)) => match (self.proof.check)(&answer) {
+                Ok(()) => {
+                    if let Some(scenario) = &self.lent {
+                        lend_to(process.pid(), scenario, self.proof.service);
+                    }
+                    Ok((process, channel))
                 }
-                Ok((process, channel))
-            }
-            Ok(Some(answer)) => {
-                process.end(Duration::ZERO);
-                let request_mps2 = answer.request_mps2;
-                Err(HostError::FirstAnswer { subject: subject(), request_mps2 })
-            }
+                Err(what) => {
+                    process.end(Duration::ZERO);
+                    Err(HostError::FirstAnswer { subject: subject(), what })
+                }
+            },
             other => {
                 let patience = self.plan.patience;
                 let error = other.err().unwrap_or(ChannelError::Silent { patience });
@@ -276,7 +306,7 @@ impl Thread {
         self.note(&why);
         self.life.lock().expect("no holder panics").given_up = true;
         // The loop may be gone.
-        let _ = self.news.send(News::Ended(HostedError::new(why)));
+        let _ = self.news.send(News::Ended(why));
     }
 }
 

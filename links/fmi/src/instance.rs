@@ -1,0 +1,390 @@
+//! A running unit: its shared library, and the calls of FMI 2.0 and 3.0.
+//!
+//! `unsafe` is what the interface is made of: a foreign library is loaded and called through pointers. This is why a unit
+//! runs in a process of its own. The prototypes are those of the standards' headers `fmi2FunctionTypes.h` and
+//! `fmi3FunctionTypes.h`.
+
+#![allow(unsafe_code)]
+
+use crate::UnitError;
+use crate::description::{Description, Kind, Variable, Version};
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::path::Path;
+use std::ptr::{null, null_mut};
+use std::sync::Mutex;
+
+type Text = *const c_char;
+type Pointer = *mut c_void;
+
+/// Last error that the unit wrote to its log.
+static SAID: Mutex<String> = Mutex::new(String::new());
+/// Statuses up to this one let a unit go on: OK and warning.
+const WARNING: c_int = 1;
+const STATUSES: [&str; 6] = ["OK", "a warning", "discard", "an error", "a fatal error", "pending"];
+/// `fmi2CoSimulation`.
+const CO_SIMULATION: c_int = 1;
+
+/// Functions that a unit of version 2 may call.
+#[repr(C)]
+struct Callbacks {
+    log: unsafe extern "C" fn(Pointer, Text, c_int, Text, Text),
+    allocate: unsafe extern "C" fn(usize, usize) -> Pointer,
+    free: unsafe extern "C" fn(Pointer),
+    finished: Pointer,
+    environment: Pointer,
+}
+
+/// The function has more arguments, for the places in the message. They are not read.
+unsafe extern "C" fn log_two(_: Pointer, _: Text, status: c_int, _: Text, message: Text) {
+    // SAFETY: the standard asks the unit for a text that ends with zero.
+    unsafe { keep(status, message) }
+}
+
+unsafe extern "C" fn log_three(_: Pointer, status: c_int, _: Text, message: Text) {
+    // SAFETY: the standard asks the unit for a text that ends with zero.
+    unsafe { keep(status, message) }
+}
+
+unsafe fn keep(status: c_int, message: Text) {
+    if status > WARNING && !message.is_null() {
+        // SAFETY: the caller vouches for the text.
+        let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
+        if let Ok(mut said) = SAID.lock() {
+            *said = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        }
+    }
+}
+
+type Set2 = unsafe extern "C" fn(Pointer, *const u32, usize, *const c_void) -> c_int;
+type Get2 = unsafe extern "C" fn(Pointer, *const u32, usize, *mut c_void) -> c_int;
+type Set3 = unsafe extern "C" fn(Pointer, *const u32, usize, *const c_void, usize) -> c_int;
+type Get3 = unsafe extern "C" fn(Pointer, *const u32, usize, *mut c_void, usize) -> c_int;
+type Plain = unsafe extern "C" fn(Pointer) -> c_int;
+type Free = unsafe extern "C" fn(Pointer);
+type Step2 = unsafe extern "C" fn(Pointer, f64, f64, c_int) -> c_int;
+type Step3 = unsafe extern "C" fn(
+    Pointer,
+    f64,
+    f64,
+    bool,
+    *mut bool,
+    *mut bool,
+    *mut bool,
+    *mut f64,
+) -> c_int;
+type Instantiate2 =
+    unsafe extern "C" fn(Text, c_int, Text, Text, *const Callbacks, c_int, c_int) -> Pointer;
+type Instantiate3 = unsafe extern "C" fn(
+    Text,
+    Text,
+    Text,
+    bool,
+    bool,
+    bool,
+    bool,
+    *const u32,
+    usize,
+    Pointer,
+    unsafe extern "C" fn(Pointer, c_int, Text, Text),
+    Pointer,
+) -> Pointer;
+type Setup2 = unsafe extern "C" fn(Pointer, c_int, f64, f64, c_int, f64) -> c_int;
+type Enter3 = unsafe extern "C" fn(Pointer, bool, f64, f64, bool, f64) -> c_int;
+
+/// A unit's library, and its instance once it has begun.
+pub struct Instance {
+    place: String,
+    version: Version,
+    library: Pointer,
+    token: CString,
+    resources: CString,
+    component: Pointer,
+    /// Time since the instance began, s.
+    pub time_s: f64,
+}
+
+impl Instance {
+    /// Loads the library of a unit that is unpacked in `directory`; `place` names the unit in errors.
+    pub fn load(
+        place: &str,
+        description: &Description,
+        library: &Path,
+        directory: &Path,
+    ) -> Result<Self, UnitError> {
+        let library = load(library).map_err(|why| {
+            UnitError::new(place, format!("its library cannot be loaded: {why}"), "one that can")
+        })?;
+        let resources = directory.join("resources");
+        let resources = match description.version {
+            Version::Two => format!("file://{}", resources.display()),
+            Version::Three => format!("{}/", resources.display()),
+        };
+        let text = |text: &str| {
+            let fault = |_| UnitError::new(place, "a zero byte in a name", "none");
+            CString::new(text).map_err(fault)
+        };
+        Ok(Self {
+            place: place.to_owned(),
+            version: description.version,
+            library,
+            token: text(&description.token)?,
+            resources: text(&resources)?,
+            component: null_mut(),
+            time_s: 0.0,
+        })
+    }
+
+    fn refuse(&self, fault: impl Into<String>, expected: &str) -> UnitError {
+        let mut fault = fault.into();
+        let said = SAID.lock().map(|said| said.clone()).unwrap_or_default();
+        if !said.is_empty() {
+            fault = format!("{fault} and said `{said}`");
+        }
+        UnitError::new(&self.place, fault, expected)
+    }
+
+    /// A function of the library: `T` must be its prototype.
+    fn function<T: Copy>(&self, name: &str) -> Result<T, UnitError> {
+        const { assert!(size_of::<T>() == size_of::<Pointer>()) };
+        let prefix = if self.version == Version::Two { "fmi2" } else { "fmi3" };
+        let symbol = format!("{prefix}{name}\0");
+        // SAFETY: the library stays loaded, and the name ends with zero.
+        let found = unsafe { libc::dlsym(self.library, symbol.as_ptr().cast()) };
+        if found.is_null() {
+            let fault = format!("its library has no function `{}`", symbol.trim_end_matches('\0'));
+            return Err(self.refuse(fault, "it"));
+        }
+        // SAFETY: `T` is a function's type by the contract of this function, and not null.
+        Ok(unsafe { std::mem::transmute_copy(&found) })
+    }
+
+    fn check(&self, function: &str, status: c_int) -> Result<(), UnitError> {
+        if status <= WARNING {
+            return Ok(());
+        }
+        let name = STATUSES.get(status as usize).copied().unwrap_or("an unknown status");
+        let fault = format!("{function} gave {name} at {:.3} s", self.time_s);
+        Err(self.refuse(fault, "OK"))
+    }
+
+    fn call(&self, function: &str) -> Result<(), UnitError> {
+        let plain: Plain = self.function(function)?;
+        // SAFETY: the prototype is the standard's, and the component lives.
+        self.check(function, unsafe { plain(self.component) })
+    }
+
+    /// Begins anew: a new instance with these starts, initialised at time 0.
+    pub fn begin(&mut self, starts: &[(&Variable, f64)]) -> Result<(), UnitError> {
+        self.end();
+        (self.component, self.time_s) = (self.instantiate()?, 0.0);
+        if self.component.is_null() {
+            return Err(self.refuse("it cannot be instantiated", "an instance"));
+        }
+        for (variable, value) in starts {
+            self.set(variable, *value)?;
+        }
+        match self.version {
+            Version::Two => {
+                let setup: Setup2 = self.function("SetupExperiment")?;
+                // SAFETY: the prototype is the standard's, and the component lives.
+                let status = unsafe { setup(self.component, 0, 0.0, 0.0, 0, 0.0) };
+                self.check("SetupExperiment", status)?;
+                self.call("EnterInitializationMode")?;
+            }
+            Version::Three => {
+                let enter: Enter3 = self.function("EnterInitializationMode")?;
+                // SAFETY: as above.
+                let status = unsafe { enter(self.component, false, 0.0, 0.0, false, 0.0) };
+                self.check("EnterInitializationMode", status)?;
+            }
+        }
+        self.call("ExitInitializationMode")
+    }
+
+    fn instantiate(&self) -> Result<Pointer, UnitError> {
+        let (name, token, resources) =
+            (c"timegap".as_ptr(), self.token.as_ptr(), self.resources.as_ptr());
+        match self.version {
+            Version::Two => {
+                // An instance may keep the pointer for its whole life.
+                let callbacks: &'static Callbacks = Box::leak(Box::new(Callbacks {
+                    log: log_two,
+                    allocate: libc::calloc,
+                    free: libc::free,
+                    finished: null_mut(),
+                    environment: null_mut(),
+                }));
+                let call: Instantiate2 = self.function("Instantiate")?;
+                // SAFETY: the prototype is the standard's; texts end with zero and outlive the call.
+                Ok(unsafe { call(name, CO_SIMULATION, token, resources, callbacks, 0, 1) })
+            }
+            Version::Three => {
+                let call: Instantiate3 = self.function("InstantiateCoSimulation")?;
+                // SAFETY: as above.
+                Ok(unsafe {
+                    call(
+                        name,
+                        token,
+                        resources,
+                        false,
+                        true,
+                        false,
+                        false,
+                        null(),
+                        0,
+                        null_mut(),
+                        log_three,
+                        null_mut(),
+                    )
+                })
+            }
+        }
+    }
+
+    /// Sets a variable to a number in the unit's own measure.
+    pub fn set(&self, variable: &Variable, value: f64) -> Result<(), UnitError> {
+        let bytes = encode(variable.kind, value);
+        let (reference, bytes) = (&raw const variable.reference, bytes.as_ptr().cast());
+        let name = format!("Set{}", variable.suffix);
+        // SAFETY: one reference, and one value of the type's size; the prototypes are the standard's.
+        let status = unsafe {
+            match self.version {
+                Version::Two => self.function::<Set2>(&name)?(self.component, reference, 1, bytes),
+                Version::Three => {
+                    self.function::<Set3>(&name)?(self.component, reference, 1, bytes, 1)
+                }
+            }
+        };
+        self.check(&format!("{name} of `{}`", variable.name), status)
+    }
+
+    /// The number of a variable in the unit's own measure.
+    pub fn get(&self, variable: &Variable) -> Result<f64, UnitError> {
+        let mut bytes = [0; 8];
+        let (reference, place) = (&raw const variable.reference, bytes.as_mut_ptr().cast());
+        let name = format!("Get{}", variable.suffix);
+        // SAFETY: one reference, and room for one value of any type; the prototypes are the standard's.
+        let status = unsafe {
+            match self.version {
+                Version::Two => self.function::<Get2>(&name)?(self.component, reference, 1, place),
+                Version::Three => {
+                    self.function::<Get3>(&name)?(self.component, reference, 1, place, 1)
+                }
+            }
+        };
+        self.check(&format!("{name} of `{}`", variable.name), status)?;
+        Ok(decode(variable.kind, bytes))
+    }
+
+    /// Moves on by `step_s`.
+    pub fn step(&mut self, step_s: f64) -> Result<(), UnitError> {
+        let (mut event, mut terminates, mut early) = (false, false, false);
+        let mut reached_s = self.time_s + step_s;
+        // SAFETY: the prototypes are the standard's, the component lives, and the places outlive the call.
+        let status = unsafe {
+            match self.version {
+                Version::Two => {
+                    self.function::<Step2>("DoStep")?(self.component, self.time_s, step_s, 1)
+                }
+                Version::Three => self.function::<Step3>("DoStep")?(
+                    self.component,
+                    self.time_s,
+                    step_s,
+                    true,
+                    &raw mut event,
+                    &raw mut terminates,
+                    &raw mut early,
+                    &raw mut reached_s,
+                ),
+            }
+        };
+        self.check("DoStep", status)?;
+        if terminates {
+            return Err(self.refuse("DoStep asked for the end of the simulation", "none"));
+        }
+        self.time_s += step_s;
+        Ok(())
+    }
+
+    fn end(&mut self) {
+        if self.component.is_null() {
+            return;
+        }
+        // A unit in an error state may refuse, and is freed all the same.
+        let _ = self.call("Terminate");
+        if let Ok(free) = self.function::<Free>("FreeInstance") {
+            // SAFETY: the prototype is the standard's, and the component is not used again.
+            unsafe { free(self.component) }
+        }
+        self.component = null_mut();
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Loads a library. One that lacks Python's functions gets the library of `python3` first.
+fn load(path: &Path) -> Result<Pointer, String> {
+    let open = |path: &Path, flags: c_int| {
+        let text = CString::new(path.as_os_str().as_encoded_bytes()).map_err(|e| e.to_string())?;
+        // SAFETY: the text ends with zero. What the library does when it is loaded is the user's.
+        let library = unsafe { libc::dlopen(text.as_ptr(), flags) };
+        if !library.is_null() {
+            return Ok(library);
+        }
+        // SAFETY: after a failure the text is there, until the next call in this thread.
+        let why = unsafe { CStr::from_ptr(libc::dlerror()) }.to_string_lossy().into_owned();
+        Err(why)
+    };
+    let flags = libc::RTLD_NOW | libc::RTLD_LOCAL;
+    match open(path, flags) {
+        Err(why) if why.contains("Py") || why.contains("libpython") => {
+            let Some((library, home)) = python() else { return Err(why) };
+            open(Path::new(&library), libc::RTLD_NOW | libc::RTLD_GLOBAL)?;
+            if std::env::var_os("PYTHONHOME").is_none() {
+                // SAFETY: this process has one thread.
+                unsafe { std::env::set_var("PYTHONHOME", home) };
+            }
+            open(path, flags)
+        }
+        opened => opened,
+    }
+}
+
+/// The shared library of `python3`, and the directory of its own modules.
+fn python() -> Option<(String, String)> {
+    let script = "import sysconfig as c, sys\n\
+                  print(c.get_config_var('LIBDIR') + '/' + c.get_config_var('INSTSONAME'))\n\
+                  print(sys.base_prefix)";
+    let output = std::process::Command::new("python3").args(["-c", script]).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    let (library, home) = text.trim().split_once('\n')?;
+    Some((library.to_owned(), home.to_owned()))
+}
+
+/// The bytes of a number as a type has them.
+fn encode(kind: Kind, value: f64) -> [u8; 8] {
+    match kind {
+        Kind::Float(4) => (u64::from((value as f32).to_bits())).to_le_bytes(),
+        Kind::Float(_) => value.to_le_bytes(),
+        Kind::Signed(_) => (value.round() as i64).to_le_bytes(),
+        Kind::Unsigned(_) => (value.round() as u64).to_le_bytes(),
+        Kind::Boolean(_) => u64::from(value != 0.0).to_le_bytes(),
+    }
+}
+
+/// The number of a type's bytes.
+fn decode(kind: Kind, bytes: [u8; 8]) -> f64 {
+    let whole = u64::from_le_bytes(bytes);
+    let cut = |count: usize| 64 - 8 * count as u32;
+    match kind {
+        Kind::Float(4) => f32::from_bits(whole as u32).into(),
+        Kind::Float(_) => f64::from_bits(whole),
+        Kind::Signed(count) => ((whole << cut(count)) as i64 >> cut(count)) as f64,
+        Kind::Unsigned(count) => (whole << cut(count) >> cut(count)) as f64,
+        Kind::Boolean(count) => f64::from(u8::from(whole << cut(count) != 0)),
+    }
+}

@@ -1,0 +1,200 @@
+//! The process of a unit: it reads questions from its standard input and writes answers to its standard output, as a
+//! law's program does.
+//!
+//! The unit is unpacked below the directory for temporary files, which a companion process removes whatever ends this one.
+//! What the unit prints goes to standard error.
+
+use crate::UnitError;
+use crate::instance::Instance;
+use crate::quantity::Flow;
+use crate::unit::{Part, Unit};
+use crate::vehicle::Request;
+use bytemuck::Pod;
+use messages::LawInput;
+use std::fs::{self, DirBuilder, File};
+use std::io::{self, Read, Write};
+use std::os::unix::fs::DirBuilderExt;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitCode, Stdio};
+
+/// Most steps of a unit for one question: one that was late catches up.
+const MOST_STEPS: u32 = 1000;
+
+/// Runs the process `timegap service fmu WHAT ...`: `law UNIT WORDS`, `vehicle UNIT WORDS` or `clean DIRECTORY`.
+#[must_use]
+pub fn run(arguments: &[String]) -> ExitCode {
+    let served = match arguments {
+        [what, unit, words @ ..] if what == "law" => serve::<_, LawInput>(Path::new(unit), words),
+        [what, unit, words @ ..] if what == "vehicle" => {
+            serve::<_, Request>(Path::new(unit), words)
+        }
+        [what, directory] if what == "clean" => {
+            // Until the other process is gone.
+            let _ = io::copy(&mut io::stdin(), &mut io::sink());
+            let _ = fs::remove_dir_all(directory);
+            return ExitCode::SUCCESS;
+        }
+        _ => Err(UnitError::new("timegap service fmu", "other words", "law, vehicle or clean")),
+    };
+    match served {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(io::stderr(), "{}{error}", crate::LAST_WORD);
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// A directory for a unit's files, with the process that removes it.
+struct Unpacked {
+    path: PathBuf,
+    companion: Child,
+}
+
+impl Unpacked {
+    fn create() -> io::Result<Self> {
+        let path = std::env::temp_dir().join(format!("timegap-fmu-{}", std::process::id()));
+        // The remains of another process that had this number.
+        let _ = fs::remove_dir_all(&path);
+        DirBuilder::new().mode(0o700).create(&path)?;
+        let companion = Command::new(std::env::current_exe()?)
+            .args(["service", "fmu", "clean"])
+            .arg(&path)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            // A hanging unit is killed with its group.
+            .process_group(0)
+            .spawn()?;
+        Ok(Self { path, companion })
+    }
+}
+
+impl Drop for Unpacked {
+    fn drop(&mut self) {
+        drop(self.companion.stdin.take());
+        let _ = self.companion.wait();
+    }
+}
+
+fn serve<A: Pod, Q: Part<A> + Pod>(path: &Path, words: &[String]) -> Result<(), UnitError> {
+    // The host closes the pipe when the process is to go: that is no error.
+    let system = |error: io::Error| {
+        UnitError::new(path.display(), error.to_string(), "a machine that lets it run")
+    };
+    let mut unit = Unit::<Q, A>::read(path, words)?;
+    let mut answers = own_output().map_err(system)?;
+    if !unit.wiring.unused.is_empty() {
+        eprintln!(
+            "{}: inputs that keep their start: {}",
+            path.display(),
+            unit.wiring.unused.join(", ")
+        );
+    }
+    let directory = Unpacked::create().map_err(system)?;
+    let platform = unit.library.rsplit_once('/').map_or("binaries/", |(folder, _)| folder);
+    unit.archive.unpack(&[platform, "resources/"], &directory.path)?;
+    fs::create_dir_all(directory.path.join("resources")).map_err(system)?;
+    let library = directory.path.join(&unit.library);
+    let instance = Instance::load(&unit.name, &unit.description, &library, &directory.path)?;
+    let mut running = Running { unit: &unit, instance, question_s: 0.0, is_fresh: false };
+    let mut questions = io::stdin().lock();
+    let mut question = Q::zeroed();
+    let mut is_first = true;
+    while read_whole(&mut questions, bytemuck::bytes_of_mut(&mut question)).map_err(system)? {
+        let answer = running.answer(&question)?;
+        match answers.write_all(bytemuck::bytes_of(&answer)) {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => break,
+            written => written.map_err(system)?,
+        }
+        if std::mem::take(&mut is_first) && !running.has_start() {
+            // The first question only proves the unit: the second one finds a new instance.
+            running.begin(&question)?;
+        }
+    }
+    Ok(())
+}
+
+/// A unit in use.
+struct Running<'a, Q: 'static, A: 'static> {
+    unit: &'a Unit<Q, A>,
+    instance: Instance,
+    /// Time of the question at which the instance began, s.
+    question_s: f64,
+    /// It has not made a step.
+    is_fresh: bool,
+}
+
+impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
+    fn begin(&mut self, question: &Q) -> Result<(), UnitError> {
+        let wiring = &self.unit.wiring;
+        let mut starts: Vec<_> =
+            wiring.starts.iter().map(|(variable, value)| (variable, *value)).collect();
+        for (quantity, wire) in &wiring.wires {
+            if let Flow::Start(value) = quantity.flow {
+                starts.push((&wire.variable, wire.measure.from_si(value(question))));
+            }
+        }
+        self.instance.begin(&starts)?;
+        self.is_fresh = true;
+        Ok(())
+    }
+
+    /// True if each beginning has a value of its own.
+    fn has_start(&self) -> bool {
+        self.unit.wiring.wires.iter().any(|(q, _)| matches!(q.flow, Flow::Start(_)))
+    }
+
+    fn answer(&mut self, question: &Q) -> Result<A, UnitError> {
+        let (time_s, period_s) = question.times_s();
+        if question.is_reset() && (!self.is_fresh || self.has_start()) {
+            self.begin(question)?;
+        }
+        if self.is_fresh {
+            self.question_s = time_s;
+        }
+        for (quantity, wire) in &self.unit.wiring.wires {
+            if let Flow::Input(value) = quantity.flow {
+                self.instance.set(&wire.variable, wire.measure.from_si(value(question)))?;
+            }
+        }
+        let what = &self.unit.description;
+        let proposed_s = what.proposed_s.filter(|step_s| *step_s < period_s);
+        let step_s = what.step_s.or(proposed_s).unwrap_or(period_s);
+        let target_s = time_s - self.question_s + period_s;
+        self.is_fresh = false;
+        for _ in 0..MOST_STEPS {
+            if self.instance.time_s + 0.5 * step_s > target_s {
+                break;
+            }
+            self.instance.step(step_s)?;
+        }
+        let mut answer = question.answer();
+        for (quantity, wire) in &self.unit.wiring.wires {
+            if let Flow::Output(keep) = quantity.flow {
+                keep(&mut answer, wire.measure.to_si(self.instance.get(&wire.variable)?));
+            }
+        }
+        match question.fault(&answer).filter(|_| question.is_reset()) {
+            Some((fault, expected)) => Err(UnitError::new(&self.unit.name, fault, expected)),
+            None => Ok(answer),
+        }
+    }
+}
+
+/// Standard output for answers alone: what the unit prints goes to standard error.
+fn own_output() -> io::Result<File> {
+    let answers = rustix::io::dup(io::stdout())?;
+    rustix::stdio::dup2_stdout(io::stderr())?;
+    Ok(File::from(answers))
+}
+
+/// Reads a whole record; false at the end of the input.
+fn read_whole(from: &mut impl Read, record: &mut [u8]) -> io::Result<bool> {
+    match from.read_exact(record) {
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,304 @@
+//! Which variable of a unit has which quantity: by names and units of measure, or as the user maps them.
+
+use crate::UnitError;
+use crate::description::{Causality, Description, Variable};
+use crate::measure::{ACCELERATION, Measure, dimension_name};
+use crate::quantity::{Flow, Quantity};
+
+/// A variable with the number that timegap's value is in it.
+#[derive(Clone, Debug)]
+pub struct Wire {
+    pub variable: Variable,
+    pub measure: Measure,
+}
+
+/// All wires of a unit.
+pub struct Wiring<Q: 'static, A: 'static> {
+    pub wires: Vec<(&'static Quantity<Q, A>, Wire)>,
+    /// Values that the user gives to variables before the unit initialises.
+    pub starts: Vec<(Variable, f64)>,
+    /// Inputs of the unit that keep their start.
+    pub unused: Vec<String>,
+}
+
+/// Words of a command behind the unit: `--VARIABLE=NUMBER` sets a start, `QUANTITY=VARIABLE` maps.
+struct Words<'a> {
+    starts: Vec<(&'a str, f64)>,
+    map: Vec<(&'a str, &'a str)>,
+}
+
+impl<'a> Words<'a> {
+    fn read(unit: &str, words: &'a [String]) -> Result<Self, UnitError> {
+        let (mut starts, mut map) = (Vec::new(), Vec::new());
+        for word in words {
+            let refuse = |expected: &str| {
+                Err(UnitError::new(unit, format!("cannot use the word `{word}`"), expected))
+            };
+            match (word.strip_prefix("--").unwrap_or(word).split_once('='), word.starts_with("--"))
+            {
+                (Some((variable, value)), true) => match number(value) {
+                    Some(number) => starts.push((variable, number)),
+                    None => return refuse("--VARIABLE=NUMBER"),
+                },
+                (Some(pair), false) => map.push(pair),
+                (None, _) => return refuse("QUANTITY=VARIABLE or --VARIABLE=NUMBER"),
+            }
+        }
+        Ok(Self { starts, map })
+    }
+}
+
+fn number(text: &str) -> Option<f64> {
+    match text {
+        "true" => Some(1.0),
+        "false" => Some(0.0),
+        text => text.parse().ok().filter(|number: &f64| number.is_finite()),
+    }
+}
+
+/// Letters and digits of a name in lower case, and the same without a unit of measure at its end.
+fn bare(name: &str) -> (String, String, Option<Measure>) {
+    let plain = |text: &str| text.chars().filter(char::is_ascii_alphanumeric).collect::<String>();
+    let lower = name.to_lowercase();
+    let ends = lower.match_indices('_').map(|(at, _)| at).chain(lower.rfind('['));
+    let cut = ends.filter_map(|at| {
+        let end = lower[at + 1..].trim_matches(['[', ']']).replace("_per_", "/").replace('_', "/");
+        Some((at, Measure::named(&end)?)).filter(|(_, m)| !end.is_empty() && m.factor != 0.0)
+    });
+    match cut.min_by_key(|(at, _)| *at) {
+        Some((at, measure)) => (plain(&lower), plain(&lower[..at]), Some(measure)),
+        None => (plain(&lower), plain(&lower), None),
+    }
+}
+
+impl<Q, A> Wiring<Q, A> {
+    /// Wires a unit; `unit` names it in errors, `needed` are the quantities without which it is of no use.
+    ///
+    /// # Errors
+    /// Names the variable or the quantity that does not fit.
+    pub fn of(
+        unit: &str,
+        description: &Description,
+        quantities: &'static [Quantity<Q, A>],
+        needed: &[&str],
+        words: &[String],
+    ) -> Result<Self, UnitError> {
+        let words = Words::read(unit, words)?;
+        let variables = &description.variables;
+        let find = |name: &str| {
+            variables.iter().find(|variable| variable.name == name).ok_or_else(|| {
+                let names = list(variables.iter().filter(|v| v.causality != Causality::Other));
+                UnitError::new(unit, format!("no variable `{name}` of one number"), names)
+            })
+        };
+        let mut wires = Vec::new();
+        for (key, name) in &words.map {
+            let quantity = quantities.iter().find(|quantity| quantity.key == *key);
+            let quantity = quantity.ok_or_else(|| {
+                let keys: Vec<_> = quantities.iter().map(|quantity| quantity.key).collect();
+                UnitError::new(unit, format!("no quantity `{key}` to map"), keys.join(", "))
+            })?;
+            let variable = find(name)?;
+            if !fits(quantity, variable) {
+                let fault = format!("`{name}` is of causality `{}`", variable.word);
+                let expected = format!("{} for {key}", quantity.flow.word());
+                return Err(UnitError::new(unit, fault, expected));
+            }
+            let measure = measure(unit, quantity, variable)?;
+            wires.push((quantity, Wire { variable: variable.clone(), measure }));
+        }
+        let starts = words
+            .starts
+            .iter()
+            .map(|(name, value)| match find(name)? {
+                variable if variable.has_start => Ok((variable.clone(), *value)),
+                variable => {
+                    let fault = format!("`{name}` is of causality `{}`", variable.word);
+                    Err(UnitError::new(unit, fault, "a parameter or an input to give a start"))
+                }
+            })
+            .collect::<Result<Vec<_>, UnitError>>()?;
+        let mut wiring = Self { wires, starts, unused: Vec::new() };
+        for quantity in quantities {
+            wiring.find(quantity, variables);
+        }
+        wiring.find_request(quantities, variables);
+        for key in needed {
+            let is_wired = key.split('|').any(|key| wiring.has(key));
+            if !is_wired {
+                return Err(missing(unit, key, quantities, variables));
+            }
+        }
+        let inputs = variables.iter().filter(|v| v.causality == Causality::Input);
+        let unused = inputs.filter(|v| {
+            wiring.is_free(v) && wiring.starts.iter().all(|(given, _)| given.name != v.name)
+        });
+        wiring.unused = unused.map(|variable| variable.name.clone()).collect();
+        // An input that is known by its name, and not by its measure, would keep its start unseen.
+        for (quantity, variable) in quantities
+            .iter()
+            .filter(|quantity| matches!(quantity.flow, Flow::Input(_)) && !wiring.has(quantity.key))
+            .flat_map(|quantity| variables.iter().map(move |variable| (quantity, variable)))
+            .filter(|(_, variable)| wiring.unused.contains(&variable.name))
+        {
+            if rank(quantity, variable).is_some() {
+                measure(unit, quantity, variable)?;
+            }
+        }
+        Ok(wiring)
+    }
+
+    /// True if a variable has this quantity.
+    pub fn has(&self, key: &str) -> bool {
+        self.wires.iter().any(|(quantity, _)| quantity.key == key)
+    }
+
+    fn is_free(&self, variable: &Variable) -> bool {
+        self.wires.iter().all(|(_, wire)| wire.variable.name != variable.name)
+    }
+
+    /// Wires the variable whose name and measure are a quantity's, if there is one.
+    fn find(&mut self, quantity: &'static Quantity<Q, A>, variables: &[Variable]) {
+        if self.has(quantity.key) {
+            return;
+        }
+        let ranked = variables.iter().filter(|variable| {
+            let given = self.starts.iter().any(|(given, _)| given.name == variable.name);
+            let may = matches!(quantity.flow, Flow::Start(_)) || self.is_free(variable);
+            fits(quantity, variable) && may && !given
+        });
+        let ranked = ranked.filter_map(|variable| {
+            let rank = rank(quantity, variable)?;
+            let measure = measure("", quantity, variable).ok()?;
+            Some((rank, Wire { variable: variable.clone(), measure }))
+        });
+        if let Some((_, wire)) = ranked.min_by_key(|(rank, _)| *rank) {
+            self.wires.push((quantity, wire));
+        }
+    }
+
+    /// A single free output that is an acceleration by its measure is the request of a law.
+    fn find_request(&mut self, quantities: &'static [Quantity<Q, A>], variables: &[Variable]) {
+        let request = quantities
+            .iter()
+            .find(|q| q.key == "request_mps2" && matches!(q.flow, Flow::Output(_)))
+            .filter(|_| !self.has("request_mps2"));
+        let Some(request) = request else { return };
+        let of_measure = |v: &&Variable| {
+            let measure = v.measure.as_ref().and_then(|(_, measure)| *measure);
+            fits(request, v) && measure.is_some_and(|m| m.dimension == ACCELERATION)
+        };
+        let mut found = variables.iter().filter(of_measure);
+        if let (Some(variable), None) = (found.next(), found.next())
+            && self.is_free(variable)
+            && let Ok(measure) = measure("", request, variable)
+        {
+            self.wires.push((request, Wire { variable: variable.clone(), measure }));
+        }
+    }
+}
+
+/// True if a variable may play the part.
+fn fits<Q, A>(quantity: &Quantity<Q, A>, variable: &Variable) -> bool {
+    match quantity.flow {
+        Flow::Input(_) => variable.causality == Causality::Input,
+        Flow::Start(_) => variable.has_start && variable.causality != Causality::Input,
+        Flow::Output(_) => variable.causality == Causality::Output,
+    }
+}
+
+/// How likely a variable has a quantity by its name: least first. A whole name comes before the last part of one.
+fn rank<Q, A>(quantity: &Quantity<Q, A>, variable: &Variable) -> Option<(usize, usize)> {
+    if !fits(quantity, variable) {
+        return None;
+    }
+    let own = bare(quantity.key).1;
+    let part = variable.name.rsplit('.').next().unwrap_or(&variable.name);
+    let ranks = [(&*variable.name, 0), (part, 1)].map(|(name, inner)| {
+        let (whole, base, _) = bare(name);
+        let place = quantity.names.iter().position(|n| *n == whole || *n == base);
+        let is_own = variable.name == quantity.key || base == own;
+        let place = if is_own { Some(0) } else { place.map(|place| place + 1) };
+        place.map(|place| (place, inner))
+    });
+    ranks.into_iter().flatten().min()
+}
+
+/// The measure of a variable: as it says, as its name ends, or SI.
+fn measure<Q, A>(
+    unit: &str,
+    quantity: &Quantity<Q, A>,
+    variable: &Variable,
+) -> Result<Measure, UnitError> {
+    let name = &variable.name;
+    let expected = dimension_name(quantity.dimension);
+    match &variable.measure {
+        Some((_, Some(measure))) if measure.dimension == quantity.dimension => Ok(*measure),
+        Some((word, Some(_))) if word != "1" && word != "-" => {
+            let fault = format!("`{name}` has the unit `{word}`");
+            Err(UnitError::new(unit, fault, format!("{expected} for {}", quantity.key)))
+        }
+        Some((word, None)) => {
+            let fault = format!("the unit `{word}` of `{name}` is not defined");
+            Err(UnitError::new(unit, fault, format!("{expected}, or a `BaseUnit` for it")))
+        }
+        _ => match bare(name).2.filter(|measure| measure.dimension == quantity.dimension) {
+            Some(measure) => Ok(measure),
+            None => Ok(Measure::si(quantity.dimension)),
+        },
+    }
+}
+
+/// Names of variables with their parts.
+fn list<'a>(variables: impl Iterator<Item = &'a Variable>) -> String {
+    let names: Vec<_> = variables.map(|v| format!("`{}` ({})", v.name, v.word)).take(20).collect();
+    match names.is_empty() {
+        true => "a unit with inputs and outputs of one number each".to_owned(),
+        false => format!("one of {}", names.join(", ")),
+    }
+}
+
+fn missing<Q, A>(
+    unit: &str,
+    key: &str,
+    quantities: &[Quantity<Q, A>],
+    variables: &[Variable],
+) -> UnitError {
+    let quantity = quantities.iter().find(|quantity| key.split('|').any(|key| key == quantity.key));
+    let shown = quantity.map_or("a variable", |quantity| quantity.flow.word());
+    let part = quantity.map(|quantity| match quantity.flow {
+        Flow::Input(_) => Causality::Input,
+        Flow::Start(_) => Causality::Parameter,
+        Flow::Output(_) => Causality::Output,
+    });
+    let of_part = variables.iter().filter(|v| Some(v.causality) == part);
+    let keys = key.replace('|', " or ");
+    let fault = format!("{shown} for {keys} is not found");
+    let expected = match of_part.clone().next() {
+        None => shown.to_owned(),
+        Some(_) => format!(
+            "a map {}=VARIABLE with {}",
+            key.split('|').next().unwrap_or(key),
+            list(of_part)
+        ),
+    };
+    UnitError::new(unit, fault, expected)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::SPEED;
+
+    #[test]
+    fn a_name_is_read_without_its_unit_of_measure() {
+        let read = |name: &str| (bare(name).1, bare(name).2.map(|measure| measure.factor));
+        assert_eq!(read("speed_mps"), ("speed".to_owned(), Some(1.0)));
+        assert_eq!(read("Speed_km_h"), ("speed".to_owned(), Some(1.0 / 3.6)));
+        assert_eq!(read("v_kmh"), ("v".to_owned(), Some(1.0 / 3.6)));
+        assert_eq!(read("v_ego"), ("vego".to_owned(), None));
+        assert_eq!(bare("request_mps2").2.map(|m| m.dimension), Some(ACCELERATION));
+        assert_eq!(bare("a[m/s2]").2.map(|m| m.dimension), Some(ACCELERATION));
+        assert_eq!(bare("v_m_per_s").2.map(|m| m.dimension), Some(SPEED));
+    }
+}
