@@ -1,6 +1,6 @@
 //! The unit's view of the signals ahead, from the received frames.
 //!
-//! Frames have no signatures, so that nothing proves who sent one. The unit checks them against each other,
+//! Frames have no signatures, or ones that are not verified, so that nothing proves who sent one. The unit checks them against each other,
 //! against their own stamps and against the vehicle's clock:
 //!
 //! * An intersection counts after two frames, so that a falsified id makes no intersection.
@@ -13,12 +13,14 @@ use crate::clock::Moment;
 use crate::intersection::Intersection;
 use crate::lanes::{StopLine, stop_lines};
 use crate::numbers::Numbers;
+use crate::signers::Signers;
 use crate::verdict::{Verdict, Verdicts};
+use its::Message;
 use its::geodesy::Plane;
 use its::mapem::Mapem;
+use its::signed;
 use its::spatem::Spatem;
 use its::time::from_its_timestamp;
-use its::{Frame, Message};
 use messages::{Lane, Map, Spat};
 use std::collections::VecDeque;
 use xxhash_rust::xxh3::xxh3_64;
@@ -43,6 +45,8 @@ pub struct Receiver {
     intersections: Vec<Intersection>,
     heard: VecDeque<u64>,
     verdicts: Verdicts,
+    uses_signed: bool,
+    signers: Signers,
 }
 
 impl Receiver {
@@ -61,7 +65,19 @@ impl Receiver {
             intersections: Vec::new(),
             heard: VecDeque::with_capacity(REMEMBERED_FRAMES),
             verdicts: Verdicts::default(),
+            uses_signed: true,
+            signers: Signers::default(),
         }
+    }
+
+    /// Ignores signed frames unless they are `used`.
+    pub fn with_signed(self, used: bool) -> Self {
+        Self { uses_signed: used, ..self }
+    }
+
+    /// The signers of the frames so far, as their envelopes name them.
+    pub fn signers(&self) -> &Signers {
+        &self.signers
     }
 
     /// Continues these counts.
@@ -130,10 +146,16 @@ impl Receiver {
             self.heard.pop_front();
         }
         self.heard.push_back(hash);
-        let frame = match Frame::decode(bytes) {
-            Ok(frame) => frame,
+        let (frame, envelope) = match signed::decode(bytes) {
+            Ok(read) => read,
             Err(error) => return Verdict::from(&error),
         };
+        if let Some(envelope) = envelope {
+            self.signers.note(&envelope);
+            if !self.uses_signed {
+                return Verdict::Signed;
+            }
+        }
         if frame.message.station_id() == self.station_id {
             return Verdict::SameStationId;
         }

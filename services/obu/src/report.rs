@@ -1,5 +1,6 @@
 //! Figures that the on-board unit reports at its end.
 
+use crate::signers::Signers;
 use runtime::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -13,6 +14,9 @@ pub struct ObuReport {
     pub left_out: u64,
     /// Frames by what was made of them.
     pub verdicts: BTreeMap<String, u64>,
+    /// Signed frames with the signers that they name; absent without such a frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signed: Option<Signers>,
     /// CAMs that it sent.
     pub cams_sent: u64,
     /// Time from the sending of a frame to its arrival.

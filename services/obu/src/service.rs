@@ -15,6 +15,7 @@ use runtime::{
     Subscriber, Timetable, monotonic_ns,
 };
 use scenario::Scenario;
+use scenario::radio::SignedFrames;
 
 /// Periods after which the timer releases a cycle without its batch. Chosen: half of one later the batch counts as lost.
 const FALLBACK_PERIODS: f64 = 0.5;
@@ -34,7 +35,15 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.begin(&scenario)?;
     unit.own_utc_start_ns = runtime.utc_start_ns();
     runtime.run_cycles(|runtime| unit.cycle(runtime))?;
-    let report = unit.counts.report(unit.receiver.verdicts());
+    let signers = unit.receiver.signers();
+    if signers.frames > 0 {
+        let (frames, names) = (signers.frames, signers.not_verified.len());
+        eprintln!("{frames} signed frames of {names} signers: their signatures are not verified");
+    }
+    let report = ObuReport {
+        signed: (signers.frames > 0).then(|| signers.clone()),
+        ..unit.counts.report(unit.receiver.verdicts())
+    };
     runtime.finish(report)
 }
 
@@ -84,6 +93,7 @@ impl Counts {
             frames: self.frames.get(),
             left_out: self.left_out.get(),
             verdicts: verdicts.by_name(),
+            signed: None,
             cams_sent: self.cams.get(),
             air_us: self.air.percentiles_us(),
             decode_us: self.decode.percentiles_us(),
@@ -116,6 +126,7 @@ impl Unit {
                 i64::from(keys.max_age_ms.value()),
                 road_plane(origin),
             )
+            .with_signed(keys.signed == SignedFrames::Use)
             .counting(Verdicts::open(runtime.figures())?),
             awareness: Awareness::new(
                 Vehicle {

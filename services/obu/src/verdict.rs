@@ -25,7 +25,9 @@ pub enum Verdict {
     SameStationId,
     /// A kind of message that the unit does not read.
     UnknownMessage,
-    /// Headers or versions of another profile, or a signed frame.
+    /// Signed, and the scenario ignores such frames.
+    Signed,
+    /// Headers or versions of another profile.
     OtherProfile,
     /// Not a frame.
     Malformed,
@@ -33,7 +35,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// All verdicts with their names in results, from the best to the worst.
-    pub const ALL: [(Self, &str); 11] = [
+    pub const ALL: [(Self, &str); 12] = [
         (Self::Accepted, "accepted"),
         (Self::UnknownIntersection, "unknown_intersection"),
         (Self::MissingLane, "missing_lane"),
@@ -43,6 +45,7 @@ impl Verdict {
         (Self::Contradicting, "contradicting"),
         (Self::SameStationId, "same_station_id"),
         (Self::UnknownMessage, "unknown_message"),
+        (Self::Signed, "signed"),
         (Self::OtherProfile, "other_profile"),
         (Self::Malformed, "malformed"),
     ];
@@ -51,9 +54,10 @@ impl Verdict {
 impl From<&DecodeError> for Verdict {
     fn from(error: &DecodeError) -> Self {
         match error {
-            DecodeError::TooLong(_) | DecodeError::Truncated { .. } | DecodeError::Payload(_) => {
-                Self::Malformed
-            }
+            DecodeError::TooLong(_)
+            | DecodeError::Truncated { .. }
+            | DecodeError::Envelope(_)
+            | DecodeError::Payload(_) => Self::Malformed,
             DecodeError::Version(_)
             | DecodeError::Secured
             | DecodeError::OtherHeader { .. }

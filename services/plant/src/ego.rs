@@ -1,17 +1,20 @@
-//! The ego: a car or a truck.
+//! The ego: a car, a unit of the user's or a truck.
 
 use crate::gateway::Actuation;
 use crate::longitudinal::{self, State};
 use crate::truck::{self, Truck};
+use crate::unit_car::{Moment, UnitCar};
+use runtime::RuntimeError;
+use scenario::Scenario;
 use scenario::grade::GradeProfile;
-use scenario::{Problem, Scenario};
 use serde::{Deserialize, Serialize};
 
 /// The ego vehicle.
-#[derive(Clone, Debug)]
 pub(crate) enum Ego {
     /// Follows accelerations; on a road with heights it feels them.
     Car(longitudinal::Vehicle, Option<GradeProfile>),
+    /// Moves in a process of its own.
+    Unit(Box<UnitCar>),
     /// Has engine, gears and a road.
     Truck(Box<Truck>),
 }
@@ -29,8 +32,11 @@ impl Ego {
     /// The ego of a scenario at its start.
     ///
     /// # Errors
-    /// If the scenario's road is not valid.
-    pub(crate) fn new(scenario: &Scenario) -> Result<Self, Problem> {
+    /// If the scenario's road is not valid, or the unit does not start.
+    pub(crate) fn new(scenario: &Scenario) -> Result<Self, RuntimeError> {
+        if let Some(unit) = &scenario.plant.fmu {
+            return Ok(Self::Unit(Box::new(UnitCar::open(scenario, unit)?)));
+        }
         Ok(match Truck::new(scenario)? {
             Some(truck) => Self::Truck(Box::new(truck)),
             None => {
@@ -49,6 +55,7 @@ impl Ego {
     pub(crate) fn restore(&mut self, kept: Snapshot) {
         match (self, kept) {
             (Self::Car(car, _), Snapshot::Car(kept)) => *car = kept,
+            (Self::Unit(unit), Snapshot::Car(kept)) => unit.restore(kept),
             (Self::Truck(truck), Snapshot::Truck(kept)) => truck.restore(&kept),
             _ => {}
         }
@@ -58,25 +65,40 @@ impl Ego {
     pub(crate) fn snapshot(&self) -> Snapshot {
         match self {
             Self::Car(car, _) => Snapshot::Car(car.clone()),
+            Self::Unit(unit) => Snapshot::Car(unit.own().clone()),
             Self::Truck(truck) => Snapshot::Truck(truck.snapshot()),
         }
     }
 
     /// Moves on by one period of the plant, with the emergency brake's ceiling on the acceleration,
     /// m/s².
-    pub(crate) fn step(&mut self, actuation: &Actuation, ceiling_mps2: Option<f64>) {
+    ///
+    /// # Errors
+    /// In simulated time, when a unit fails.
+    pub(crate) fn step(
+        &mut self,
+        actuation: &Actuation,
+        ceiling_mps2: Option<f64>,
+        moment: Moment,
+    ) -> Result<(), RuntimeError> {
         match self {
+            Self::Unit(unit) => {
+                let ceiling_mps2 = ceiling_mps2.unwrap_or(f64::INFINITY);
+                unit.step(actuation.request_mps2.min(ceiling_mps2), moment)?;
+            }
             Self::Car(car, heights) => {
                 car.step_on(actuation.request_mps2, ceiling_mps2, heights.as_ref());
             }
             Self::Truck(truck) => truck.step(actuation, ceiling_mps2),
         }
+        Ok(())
     }
 
     /// Corrects the place on the axis, m: on a road with a plan the way is not the place.
     pub(crate) fn place(&mut self, position_m: f64) {
         match self {
             Self::Car(car, _) => car.place(position_m),
+            Self::Unit(unit) => unit.place(position_m),
             Self::Truck(truck) => truck.place(position_m),
         }
     }
@@ -85,6 +107,7 @@ impl Ego {
     pub(crate) fn state(&self) -> State {
         match self {
             Self::Car(car, _) => car.state(),
+            Self::Unit(unit) => unit.own().state(),
             Self::Truck(truck) => truck.state(),
         }
     }
@@ -92,8 +115,16 @@ impl Ego {
     /// The truck, if it is one.
     pub(crate) fn truck(&self) -> Option<&Truck> {
         match self {
-            Self::Car(..) => None,
+            Self::Car(..) | Self::Unit(_) => None,
             Self::Truck(truck) => Some(truck),
+        }
+    }
+
+    /// The unit, if it is one.
+    pub(crate) fn unit(&self) -> Option<&UnitCar> {
+        match self {
+            Self::Unit(unit) => Some(unit),
+            Self::Car(..) | Self::Truck(_) => None,
         }
     }
 }

@@ -45,6 +45,7 @@ mod timeliness;
 mod times;
 pub mod truck;
 mod truth;
+mod unit_car;
 mod wheel_energy;
 mod worst;
 

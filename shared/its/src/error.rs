@@ -17,9 +17,12 @@ pub enum DecodeError {
     /// Another version of GeoNetworking.
     #[error("GeoNetworking version {0}, expected 1")]
     Version(u8),
-    /// A signed packet (IEEE 1609.2, ETSI TS 103 097): signatures are not checked here.
-    #[error("a signed packet, which is not supported")]
+    /// A signed packet (IEEE 1609.2, ETSI TS 103 097) in its envelope.
+    #[error("a signed packet, expected one without its envelope")]
     Secured,
+    /// The envelope of a signed packet is broken, or not one of `signedData`.
+    #[error("the envelope of a packet is broken at {0}")]
+    Envelope(&'static str),
     /// Not a single-hop broadcast with BTP-B.
     #[error("header type {header_type:#04x} with next header {next_header}, expected 0x50 with 2")]
     OtherHeader {

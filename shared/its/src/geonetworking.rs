@@ -10,7 +10,7 @@
 //! BTP-B            4 B         destination port │ port info 0 (EN 302 636-5-1, clause 7.3)
 //! ```
 //!
-//! A signed packet has next header 2 in the basic header (9.6.3). This module neither writes nor reads it.
+//! A signed packet has next header 2 in the basic header (9.6.3): [`crate::signed`] takes it out of its envelope.
 
 use crate::DecodeError;
 use crate::geodesy::Position;

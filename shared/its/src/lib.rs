@@ -8,6 +8,7 @@
 //! | part | standard | module |
 //! |---|---|---|
 //! | GeoNetworking, single-hop broadcast, not signed | ETSI EN 302 636-4-1 V1.4.1, clause 9 | [`geonetworking`] |
+//! | the envelope of signed packets, not verified | ETSI TS 103 097 V2.1.1, IEEE 1609.2 | [`signed`] |
 //! | BTP-B | ETSI EN 302 636-5-1 V2.2.1, clause 7 | [`geonetworking`] |
 //! | SPATEM, MAPEM | ETSI TS 103 301 V2.2.1, ISO TS 19091, SAE J2735 | [`spatem`], [`mapem`] |
 //! | CAM | ETSI EN 302 637-2 V1.4.1 | [`cam`], [`triggers`] |
@@ -77,6 +78,7 @@ pub mod geonetworking;
 pub mod mapem;
 mod message;
 pub mod pcap;
+pub mod signed;
 pub mod spatem;
 pub mod time;
 pub mod triggers;

@@ -1,6 +1,7 @@
 use super::*;
 use crate::lanes::road_plane;
 use bytemuck::Zeroable;
+use its::Frame;
 use its::geonetworking::{HEADER_BYTES, Source, StationType};
 use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, STRAIGHT};
 use its::spatem::{
@@ -393,4 +394,32 @@ fn a_wrong_bit_never_changes_the_accepted_timing() {
         let end_s = told(&receiver, 100).1;
         assert!(end_s.is_none_or(|end_s| (end_s - 20.0).abs() < 0.4), "bit {bit}: {end_s:?}");
     }
+}
+
+/// A frame in the envelope of a station in use: a digest as signer, a time, a signature of any bytes.
+fn sealed(frame: &[u8]) -> Vec<u8> {
+    let payload = &frame[4..];
+    let length = (payload.len() as u16).to_be_bytes();
+    let basic = [0x12, frame[1], frame[2], frame[3]];
+    let envelope = [3, 0x81, 0, 0x40, 3, 0x80, 0x82, length[0], length[1]];
+    let header = [0x40, 1, 137, 0, 2, 0x86, 0, 0, 0, 0, 0];
+    let signer = [0x80, 1, 2, 3, 4, 5, 6, 7, 8, 0x80, 0x80];
+    [&basic[..], &envelope, payload, &header, &signer, &[7; 64]].concat()
+}
+
+#[test]
+fn signed_frames_are_used_as_others_or_counted_alone() {
+    let mut receiver = Receiver::new(OWN, 500, plane());
+    assert_eq!(receiver.take(&sealed(&map(0)), &at(0)), Verdict::Accepted);
+    assert_eq!(receiver.take(&sealed(&spat(0, 20_000)), &at(0)), Verdict::Accepted);
+    let signers = receiver.signers();
+    assert_eq!(signers.frames, 2);
+    assert_eq!(signers.not_verified["0102030405060708"].frames, 2);
+    let mut deaf = Receiver::new(OWN, 500, plane()).with_signed(false);
+    assert_eq!(deaf.take(&sealed(&map(0)), &at(0)), Verdict::Signed);
+    assert_eq!(deaf.take(&map(0), &at(0)), Verdict::Accepted);
+    assert_eq!((deaf.verdicts().of(Verdict::Signed), deaf.signers().frames), (1, 1));
+    let mut broken = sealed(&map(100));
+    broken.truncate(60);
+    assert_eq!(receiver.take(&broken, &at(100)), Verdict::Malformed);
 }

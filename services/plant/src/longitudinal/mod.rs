@@ -188,6 +188,15 @@ impl Vehicle {
         self.state
     }
 
+    /// Takes on a motion that another model has reached.
+    pub(crate) fn go_on_from(&mut self, reached: State) {
+        self.state = reached;
+        self.keep_lag(reached.acceleration_mps2);
+        if let Motion::PaperEuler { base, taken, request_integral, .. } = &mut self.motion {
+            (*base, *taken, *request_integral) = (reached, 0, 0.0);
+        }
+    }
+
     fn keep_lag(&mut self, mps2: f64) {
         if let Motion::Fine { lag_mps2, .. } = &mut self.motion {
             *lag_mps2 = mps2;

@@ -3,10 +3,12 @@
 use crate::braking::Braking;
 use crate::ego::Ego;
 use crate::gateway::Source;
+use crate::unit_car::{Moment, UnitCar};
 use messages::level::{Level, LevelLog};
 use messages::{BrakeState, EgoTruth, Odometry, Powertrain, ServiceState};
 use runtime::{Checkpoint, Cycle, Mode, Overrun, Publisher, Release, Runtime, RuntimeError};
 use scenario::Scenario;
+use std::time::Duration;
 
 mod control;
 mod plane;
@@ -27,10 +29,16 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let mut plant = Plant::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
+    if let (Mode::Realtime, Some(unit)) = (runtime.clock().mode(), plant.ego.unit()) {
+        unit.lend(&scenario);
+    }
     if runtime.is_restarted() {
         plant.restore(&mut runtime);
     }
     runtime.run_cycles(|runtime| plant.cycle(runtime))?;
+    if let Some(note) = plant.ego.unit().and_then(UnitCar::note) {
+        eprintln!("{note}");
+    }
     let report = plant.report();
     runtime.finish(report)
 }
@@ -48,6 +56,8 @@ struct Plant {
     powertrain: Option<Publisher<Powertrain>>,
     request_mps2: f64,
     time_s: f64,
+    /// Longest wait for the answer of a unit in real time.
+    half_period: Duration,
     stopped_for_want_of_commands: bool,
     levels: LevelLog,
     /// State from which a restarted plant continues, in realtime.
@@ -68,6 +78,7 @@ impl Plant {
             powertrain: is_truck.then(|| runtime.publisher()).transpose()?,
             request_mps2: scenario.plant.initial_acceleration_mps2.value(),
             time_s: 0.0,
+            half_period: Duration::from_millis(scenario.plant.period_ms.value().into()) / 2,
             stopped_for_want_of_commands: false,
             levels: LevelLog::default(),
             checkpoint: match runtime.clock().mode() {
@@ -106,7 +117,11 @@ impl Plant {
         self.request_mps2 = actuation.request_mps2;
         let ceiling = (self.braking.as_mut())
             .and_then(|braking| braking.act(&release, now_ns, before.acceleration_mps2));
-        self.ego.step(&actuation, ceiling);
+        let left = match runtime.clock().mode() {
+            Mode::Lockstep => None,
+            Mode::Realtime => Some(self.half_period),
+        };
+        self.ego.step(&actuation, ceiling, Moment { time_s: release.time_s, left })?;
         if let Some(plane) = &mut self.plane {
             plane.step(&before, &mut self.ego);
         }

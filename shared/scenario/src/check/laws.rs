@@ -15,6 +15,9 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Problem> {
         refuse!(if law.caller && !(law.env.is_empty() && law.arguments.is_empty()),
             "laws.{name}": "the law `{name}` is not a program of its own",
             "env and arguments with a command alone");
+        let is_unit = law.command.first().is_some_and(|name| name.ends_with(".fmu"));
+        refuse!(if !law.map.is_empty() && !is_unit, "laws.{name}.map":
+            "the law `{name}` is not a unit, which has variables", "a command of a unit (.fmu)");
         let is_variable = |key: &str| !key.is_empty() && !key.contains(['=', '\0']);
         refuse!(if let Some(key) = law.env.keys().find(|key| !is_variable(key)),
             "laws.{name}.env": "`{key}` cannot be a variable of an environment",

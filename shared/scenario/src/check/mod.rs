@@ -126,6 +126,16 @@ fn vehicle(scenario: &Scenario) -> Result<(), Problem> {
         "the smallest torque is not below the largest", "less than {most}",
         against "plant.gateway.max_torque_nm");
     let is_paper = plant.integrator == Integrator::PaperEuler;
+    if let Some(unit) = &plant.fmu {
+        refuse!(if plant.vehicle.is_truck(), "plant.fmu": "a truck is not a unit", "none",
+            against "plant.vehicle");
+        fmi::check_vehicle(unit, &plant.unit_words()).map_err(|error| {
+            Problem::new("plant.fmu", format!("{}: {}", error.place, error.fault), error.expected)
+        })?;
+    } else {
+        refuse!(if !(plant.fmu_map.is_empty() && plant.fmu_start.is_empty()), "plant.fmu_map":
+            "there is no unit", "plant.fmu = \"car.fmu\"");
+    }
     if plant.vehicle.is_truck() {
         refuse!(if is_paper, "plant.integrator": "a truck has no paper's Euler step", "`fine`",
             against "plant.vehicle");

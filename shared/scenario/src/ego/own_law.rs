@@ -27,6 +27,9 @@ tables! {
         /// Arguments behind the command: `gain = 0.4` is `--gain=0.4`.
         #[sparse]
         pub arguments: BTreeMap<String, Word> = default,
+        /// Variables of a unit (.fmu) by the quantities that they have: `speed_mps = "v_ego"`.
+        #[sparse]
+        pub map: BTreeMap<String, Word> = default,
     }
 }
 
@@ -42,8 +45,7 @@ impl OwnLaw {
     /// ```
     #[must_use]
     pub fn words(&self) -> Vec<String> {
-        let arguments = self.arguments.iter().map(|(key, Word(value))| format!("--{key}={value}"));
-        self.command.iter().cloned().chain(arguments).collect()
+        self.command.iter().cloned().chain(unit_words(&self.arguments, &self.map)).collect()
     }
 
     /// The variables of its environment.
@@ -51,6 +53,15 @@ impl OwnLaw {
     pub fn variables(&self) -> Vec<(String, String)> {
         self.env.iter().map(|(key, Word(value))| (key.clone(), value.clone())).collect()
     }
+}
+
+/// Arguments and a map as words of a command.
+pub(crate) fn unit_words<'a>(
+    arguments: &'a BTreeMap<String, Word>,
+    map: &'a BTreeMap<String, Word>,
+) -> impl Iterator<Item = String> + 'a {
+    let arguments = arguments.iter().map(|(key, Word(value))| format!("--{key}={value}"));
+    arguments.chain(map.iter().map(|(key, Word(value))| format!("{key}={value}")))
 }
 
 /// A word for a program. A file may have a number or a truth value in its place.

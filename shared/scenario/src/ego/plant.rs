@@ -1,8 +1,12 @@
 //! `[plant]`: the ego vehicle and its actuator gateway.
 
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
 use scenario_derive::tables;
 
 use crate::lateral::Lateral;
+use crate::own_law::{Word, unit_words};
 use crate::quantity::{
     Acceleration, AccelerationMagnitude, Duration, JerkMagnitude, Length, Mass, MassFactor,
     PeriodMs, Power, Speed, TimeConstant, Torque, TorqueRate,
@@ -13,6 +17,15 @@ tables! {
     pub struct Plant {
         /// Kind of the ego vehicle.
         pub vehicle: Vehicle = Car,
+        /// Unit of the Functional Mock-up Interface 2 or 3 (.fmu) that moves in the car's place: acceleration, or
+        /// throttle and brake, in; speed, position and acceleration out. A relative path is the scenario file's.
+        pub fmu: Option<PathBuf>,
+        /// Variables of the unit by the quantities that they have: `speed_mps = "v"`.
+        #[sparse]
+        pub fmu_map: BTreeMap<String, Word> = default,
+        /// Values of the unit's parameters and inputs at its start: `mass = 1500`.
+        #[sparse]
+        pub fmu_start: BTreeMap<String, Word> = default,
         /// True mass over the one that vehicle and law assume; trucks only.
         pub mass_factor: MassFactor = 1.0,
         /// Period of the plant's loop and of `vehicle/odometry`, ms. Every other period is a multiple.
@@ -108,6 +121,22 @@ tables! {
         /// A successor overdue by this time, s, means that a command is lost. The rest of the plan is
         /// then a level of degradation.
         pub overdue_s: Duration = 0.1,
+    }
+}
+
+impl Plant {
+    /// Words behind the unit: its starts and its map.
+    #[must_use]
+    pub fn unit_words(&self) -> Vec<String> {
+        unit_words(&self.fmu_start, &self.fmu_map).collect()
+    }
+
+    /// Settles where the unit is; `own` is the scenario file's directory.
+    pub(crate) fn place_unit(&mut self, own: Option<&Path>) {
+        let Some(unit) = &mut self.fmu else { return };
+        let here = std::env::current_dir().unwrap_or_default();
+        let beside = own.map(|own| here.join(own).join(&*unit)).filter(|path| path.is_file());
+        *unit = beside.unwrap_or_else(|| here.join(&*unit));
     }
 }
 

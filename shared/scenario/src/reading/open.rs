@@ -102,6 +102,7 @@ impl Scenario {
         let directory = place.directory();
         scenario.controller.place_command(directory);
         own_law::place(&mut scenario.laws, directory);
+        scenario.plant.place_unit(directory);
         scenario.v2x.radio.place(directory);
         let of_records = load(&mut scenario, document, directory)?;
         check::all(&scenario)?;

@@ -198,6 +198,17 @@ tables! {
         /// Largest difference between the clocks of senders and vehicle, ms. Greens and yellows are taken to end so
         /// much earlier than announced, reds so much later.
         pub clock_tolerance_ms: DelayMs = 250,
+        /// Signed frames (ETSI TS 103 097). No signature is verified, whichever is chosen.
+        pub signed: SignedFrames = Use,
+    }
+
+    /// Signed frames that arrive.
+    pub enum SignedFrames {
+        /// Taken out of their envelope and used as frames without a signature.
+        #[default]
+        Use,
+        /// Counted alone.
+        Ignore,
     }
 }
 
