@@ -39,10 +39,10 @@ impl<F> Drives<'_, F> {
         self.all.iter().map(|drive| of(drive)).sum()
     }
 
-    /// Mean over the drives that have the value; 0 without any.
+    /// Mean over the drives that have the value; not a number without any.
     pub fn mean(&self, of: impl Fn(&Drive<F>) -> Option<f64>) -> f64 {
         let values: Vec<f64> = self.all.iter().filter_map(|drive| of(drive)).collect();
-        values.iter().sum::<f64>() / values.len().max(1) as f64
+        values.iter().sum::<f64>() / values.len() as f64
     }
 
     /// Largest of the values that are there, at least 0.

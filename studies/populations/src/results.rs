@@ -24,10 +24,11 @@ const MOST_SHOWN: usize = 20;
 #[derive(Debug, Serialize)]
 struct Judged {
     name: &'static str,
-    /// Null if nothing has it, which breaks no limit.
+    /// Null if no drive has it.
     value: Option<f64>,
     limit: f64,
-    met: bool,
+    /// Null without a value, which breaks no limit and meets none.
+    met: Option<bool>,
     since: &'static str,
     source: &'static str,
 }
@@ -91,7 +92,7 @@ fn judged<P: Population>(total: &Map<String, Value>) -> Vec<Judged> {
     let judge = |limit: &'static limits::Limit| {
         let limits::Limit { figure: name, most: limit, since, source, .. } = *limit;
         let value = report::results::at(&total, name).and_then(Value::as_f64);
-        let met = value.is_none_or(|value| value <= limit);
+        let met = value.map(|value| value <= limit);
         Judged { name, value, limit, met, since, source }
     };
     limits::of(P::NAME).map(judge).collect()
@@ -123,7 +124,7 @@ pub fn document<P: Population>(
         least(judged().map(|drive| (drive.planned.name(), drive.requirements.as_slice())));
     let (files, failures): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let groups: Vec<_> = P::groups().into_iter().map(|group| (group.rows(drives), group)).collect();
-    let ok = (!P::LIMITS_DECIDE || limits.iter().all(|limit| limit.met))
+    let ok = (!P::LIMITS_DECIDE || limits.iter().all(|limit| limit.met != Some(false)))
         && failures.iter().all(|failure| !failure.breaks)
         && margins.iter().all(|least: &Least| least.verdict.met);
     let mut laws: Vec<&str> = Vec::new();
@@ -146,12 +147,14 @@ pub fn document<P: Population>(
     whole.extend(rest.as_object().cloned().unwrap_or_default());
     let breaking = failures.iter().filter(|failure| failure.breaks).count();
     let missed: Vec<&str> =
-        limits.iter().filter(|limit| !limit.met).map(|limit| limit.name).collect();
+        limits.iter().filter(|limit| limit.met == Some(false)).map(|limit| limit.name).collect();
+    let met = limits.iter().filter(|limit| limit.met == Some(true)).count();
     let verdict = format!(
         "{breaking} of {} drives broke what no drive may break; {}",
         judged().count(),
         match missed.as_slice() {
-            [] => format!("all {} limits met", limits.len()),
+            [] if met == limits.len() => format!("all {met} limits met"),
+            [] => format!("{met} of {} limits met, the others have no drive", limits.len()),
             missed => format!(
                 "{} of {} limits EXCEEDED: {}",
                 missed.len(),

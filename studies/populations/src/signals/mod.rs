@@ -267,7 +267,9 @@ fn wrong_ratio(all: &Drives<'_, Facts>, error: &str) -> Option<f64> {
 }
 
 fn cycles(all: &Drives<'_, Facts>, law: &str) -> f64 {
-    all.sum(|drive| if is_right(drive, law) { drive.facts.cycles_missed as f64 } else { 0.0 })
+    let of_law = |drive: &Drive<Facts>| is_right(drive, law);
+    let missed = all.sum(|d| if of_law(d) { d.facts.cycles_missed as f64 } else { 0.0 });
+    if all.count(of_law) > 0 { missed } else { f64::NAN }
 }
 
 /// Ours over the rival's; null where that is 0.
