@@ -38,6 +38,10 @@ wheel:
 python *ARGUMENTS:
     .ci/python {{ARGUMENTS}}
 
+# Build the packages, and use each where nothing else is: `just packages --profile dev deb`.
+packages *WHICH:
+    .ci/packages {{WHICH}}
+
 # Write the generated pages anew: keys, messages.
 references:
     cargo run --release -- print reference scenario > docs/reference-scenario.md
