@@ -22,7 +22,9 @@ const NOTEBOOK_PACKAGES: [&str; 2] = ["ipykernel==6.29.5", "nbclient==0.10.2"];
 /// Packages that read Perfetto's traces.
 const TRACE_PACKAGES: [&str; 2] = ["perfetto", "protobuf"];
 
-/// Packages that speak with a bridge: Foxglove's protocol, DDS.
+/// Packages that speak DDS.
+const DDS_PACKAGES: [&str; 1] = ["cyclonedds==11.0.1"];
+/// Packages that speak Foxglove's protocol.
 const BRIDGE_PACKAGES: [&str; 2] = ["mcap-ros2-support==0.6.0", "websockets==17.4"];
 
 /// The interpreter of a virtual environment below `directory` that speaks with a bridge, created at the first call.
@@ -32,6 +34,15 @@ const BRIDGE_PACKAGES: [&str; 2] = ["mcap-ros2-support==0.6.0", "websockets==17.
 pub fn bridge_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
     static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
     FOUND.get_or_init(|| prepare(&directory.join("bridge-venv"), &BRIDGE_PACKAGES)).clone()
+}
+
+/// The interpreter of a virtual environment below `directory` that speaks DDS, created at the first call.
+///
+/// # Errors
+/// The reason: no Python, no pip or no network.
+pub fn dds_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
+    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
+    FOUND.get_or_init(|| prepare(&directory.join("dds-venv"), &DDS_PACKAGES)).clone()
 }
 
 /// The interpreter of a virtual environment below `directory` that runs notebooks, created at the first call.

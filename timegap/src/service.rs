@@ -26,6 +26,10 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     if arguments.name == "bridge" {
         return Ok(foxglove_bridge::run(&arguments.arguments));
     }
+    #[cfg(feature = "ros2")]
+    if arguments.name == "ros2-law" {
+        return Ok(ros2_law::run(&arguments.arguments));
+    }
     if arguments.name == "replayer" {
         return Ok(recorder::replay(&arguments.arguments));
     }

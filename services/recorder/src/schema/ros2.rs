@@ -1,6 +1,6 @@
 //! ROS 2 message definitions: in the form of MCAP's schema encoding `ros2msg`, and as a package.
 
-use super::{all, collect};
+use super::{all, collect, law};
 use crate::LawNames;
 use messages::names::{self, Enumeration};
 use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar};
@@ -46,7 +46,7 @@ pub(crate) fn fingerprint(definition: &str) -> u64 {
     hash.digest()
 }
 
-/// The files of a ROS 2 package with all messages: name below the package's folder, and text.
+/// The files of a ROS 2 package with all messages and the records of a law: name below the package's folder, and text.
 pub fn package() -> Vec<(String, String)> {
     let law = LawNames::default();
     let mut files = vec![
@@ -54,7 +54,7 @@ pub fn package() -> Vec<(String, String)> {
         ("CMakeLists.txt".to_owned(), cmake_lists()),
     ];
     let message = |layout: &&Layout| (format!("msg/{}.msg", layout.name), fields(layout, &law));
-    files.extend(all().iter().map(message));
+    files.extend(all().iter().chain(&law::all()).map(message));
     files
 }
 
@@ -73,8 +73,9 @@ fn package_xml() -> String {
 }
 
 fn cmake_lists() -> String {
-    let messages: String =
-        all().iter().map(|layout| format!("  \"msg/{}.msg\"\n", layout.name)).collect();
+    let messages: String = (all().iter().chain(&law::all()))
+        .map(|layout| format!("  \"msg/{}.msg\"\n", layout.name))
+        .collect();
     format!(
         "cmake_minimum_required(VERSION 3.8)\nproject({PACKAGE})\n\nfind_package(ament_cmake REQUIRED)\n\
          find_package(rosidl_default_generators REQUIRED)\n\nrosidl_generate_interfaces(\

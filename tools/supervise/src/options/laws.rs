@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 /// ```
 #[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
 pub struct LawOptions {
-    /// A law of your own: starts a program, with words as in a shell (repeatable)
+    /// A law of your own: starts a program, with words as in a shell; or asks a ROS 2 node, `NAME=ros2:[DOMAIN]`
+    /// (repeatable)
     #[arg(long = "law", value_name = "NAME=COMMAND")]
     pub laws: Vec<NamedLaw>,
 }
@@ -53,10 +54,22 @@ impl std::str::FromStr for NamedLaw {
         if controller::laws::find(name).is_some() {
             return Err(error(name, "a law of timegap's own", "another name"));
         }
-        let words = shlex::split(command).filter(|words| !words.is_empty());
+        let words = match command.strip_prefix("ros2:") {
+            Some(domain) if domain.is_empty() || domain.parse().is_ok_and(|n: u8| n <= 232) => {
+                Some(relay(domain))
+            }
+            Some(_) => return Err(error(command, "not a domain", "ros2:[DOMAIN], from 0 to 232")),
+            None => shlex::split(command).filter(|words| !words.is_empty()),
+        };
         let words = words.ok_or_else(|| error(command, "not a command", "words as in a shell"))?;
         Ok(Self { name: of_law, source: LawSource::Program(words) })
     }
+}
+
+/// The program that asks a ROS 2 node: this one again.
+fn relay(domain: &str) -> Vec<String> {
+    let program = std::env::current_exe().unwrap_or_else(|_| "timegap".into());
+    [&program.to_string_lossy(), "service", "ros2-law", domain].map(str::to_owned).into()
 }
 
 impl LawOptions {
@@ -155,6 +168,8 @@ mod tests {
             other => panic!("{other:?}"),
         };
         assert_eq!(words("a=python3 'my law.py' --k=1"), ["python3", "my law.py", "--k=1"]);
+        assert_eq!(words("a=ros2:7")[1..], ["service", "ros2-law", "7"]);
+        assert_eq!(words("a=ros2:")[3], "", "the environment says which domain");
     }
 
     #[test]
@@ -166,6 +181,8 @@ mod tests {
             ("six-mode=./law", "a law of timegap's own"),
             ("a=", "not a command"),
             ("a='./law", "not a command"),
+            ("a=ros2:233", "not a domain"),
+            ("a=ros2:here", "ros2:[DOMAIN], from 0 to 232"),
         ] {
             let said = law(argument).expect_err(argument).to_string();
             assert!(said.contains(what) && said.contains("expected"), "{said}");
