@@ -18,7 +18,7 @@ const MOST_QUEUED: usize = 16 << 20;
 /// Most answers that wait for a viewer.
 const MOST_ANSWERS: usize = 256;
 /// Most subscriptions of a viewer.
-const MOST_SUBSCRIPTIONS: usize = 1_000;
+const MOST_SUBSCRIPTIONS: usize = 100;
 /// Time without room in a viewer's connection after which it is dropped.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Longest message of a viewer, bytes.
@@ -40,7 +40,8 @@ struct Queue {
     answers: VecDeque<Message>,
     messages: VecDeque<Vec<u8>>,
     bytes: usize,
-    lost: u64,
+    /// Messages were lost since it was last empty.
+    has_lost: bool,
     /// The connection ends with these words, when all else is written.
     end: Option<String>,
     is_gone: bool,
@@ -180,17 +181,15 @@ impl Client {
     }
 
     fn take_binary(&self, bytes: &[u8], subject: &Subject) -> Result<(), Refusal> {
-        let call = protocol::call(bytes).ok_or(Refusal::Binary)?;
+        let (service, call, encoding, request) = protocol::call(bytes).ok_or(Refusal::Binary)?;
         let answered = match &subject.service {
-            Some((_, answer)) if call.service == SERVICE && call.encoding == b"json" => {
-                answer(call.request)
-            }
-            Some(_) if call.service == SERVICE => Err("expected a request in JSON".to_owned()),
-            _ => Err(format!("there is no service {}", call.service)),
+            Some((_, answer)) if service == SERVICE && encoding == b"json" => answer(request),
+            Some(_) if service == SERVICE => Err("expected a request in JSON".to_owned()),
+            _ => Err(format!("there is no service {service}")),
         };
         match answered {
-            Ok(response) => self.answer(protocol::service_response(call.call, &response)),
-            Err(why) => self.answer(protocol::service_failure(call.call, &why)),
+            Ok(response) => self.answer(protocol::service_response(call, &response)),
+            Err(why) => self.answer(protocol::service_failure(call, &why)),
         }
     }
 
@@ -198,16 +197,9 @@ impl Client {
     pub(crate) fn write(&self, mut socket: WebSocket<TcpStream>) {
         // Failure leaves a viewer that never reads its thread: the run has its end.
         let _ = self.stream.set_write_timeout(Some(PATIENCE));
-        let mut told_lost = 0;
-        while let Some((message, lost)) = self.next() {
+        while let Some(message) = self.next() {
             let is_end = matches!(message, Message::Close(_));
-            let mut sent = Ok(());
-            if lost > told_lost {
-                let text = format!("{} messages were lost: they come too fast", lost - told_lost);
-                sent = socket.send(protocol::status(&text).into());
-                told_lost = lost;
-            }
-            match sent.and_then(|()| socket.send(message)) {
+            match socket.send(message) {
                 Ok(()) if !is_end => {}
                 Err(Error::Io(error)) if error.kind() == std::io::ErrorKind::WouldBlock => {
                     let text = format!("it reads nothing for {} s", PATIENCE.as_secs());
@@ -220,23 +212,26 @@ impl Client {
         self.drop_connection();
     }
 
-    /// The next message, and the number of those that were lost; `None` at the end.
-    fn next(&self) -> Option<(Message, u64)> {
+    /// The next message; `None` at the end.
+    fn next(&self) -> Option<Message> {
         let mut queue = self.queue();
         loop {
             if queue.is_gone {
                 return None;
             }
             if let Some(answer) = queue.answers.pop_front() {
-                return Some((answer, queue.lost));
+                return Some(answer);
             }
             if let Some(message) = queue.messages.pop_front() {
                 queue.bytes -= message.len();
-                return Some((Message::binary(message), queue.lost));
+                return Some(Message::binary(message));
             }
+            queue.has_lost = false;
             if let Some(words) = &queue.end {
-                let frame = CloseFrame { code: CloseCode::Away, reason: shortened(words).into() };
-                return Some((Message::Close(Some(frame)), queue.lost));
+                // A close frame has room for 123 bytes.
+                let reason: String = words.chars().filter(char::is_ascii).take(120).collect();
+                let frame = CloseFrame { code: CloseCode::Away, reason: reason.into() };
+                return Some(Message::Close(Some(frame)));
             }
             queue = self.came.wait(queue).unwrap_or_else(PoisonError::into_inner);
         }
@@ -252,12 +247,10 @@ impl Queue {
             && let Some(oldest) = self.messages.pop_front()
         {
             self.bytes -= oldest.len();
-            self.lost += 1;
+            if !std::mem::replace(&mut self.has_lost, true) {
+                let text = "messages are lost: they come faster than they are read";
+                self.answers.push_back(protocol::status(text).into());
+            }
         }
     }
-}
-
-/// The part of `words` that a close frame has room for.
-fn shortened(words: &str) -> String {
-    words.chars().filter(char::is_ascii).take(120).collect()
 }

@@ -4,18 +4,20 @@ use crate::inject::{announcement, injector, parameters};
 use crate::server::{Server, Subject};
 use crate::{port, recorded};
 use messages::{Header, Topic};
-use recorder::{Encoder, FromRecorder, Metadata, Recording, Start, Taps, ToRecorder, orders, say};
+use recorder::{
+    Encoder, FILE, FromRecorder, Metadata, Recording, Start, Taps, ToRecorder, orders, say,
+};
 use runtime::{Group, Mode, Tap, log_warnings, monotonic_ns};
 use scenario::Scenario;
 use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
-use supervise::{Error, MachineError, UsageError, is_alive, law_names};
+use supervise::{Error, MachineError, UsageError};
+use supervise::{hold_signals, is_alive, is_signalled, law_names};
 
 /// Time between two looks at the topics; their buffers hold half a second.
 const REALTIME_POLL: Duration = Duration::from_millis(20);
@@ -26,8 +28,11 @@ const NICE: i32 = 10;
 
 /// Becomes the bridge of a run. `arguments` are the run's root and the port.
 pub fn run(arguments: &[OsString]) -> ExitCode {
-    let [root, port] = arguments else { return refuse() };
-    let Some(port) = port.to_str().and_then(|port| port.parse().ok()) else { return refuse() };
+    let port = arguments.get(1).and_then(|port| port.to_str()?.parse().ok());
+    let (Some(root), Some(port)) = (arguments.first(), port) else {
+        eprintln!("the bridge is a service of timegap: start it with `timegap run --bridge`");
+        return ExitCode::from(2);
+    };
     log_warnings();
     match follow_orders(Path::new(root), port) {
         Ok(()) => ExitCode::SUCCESS,
@@ -38,26 +43,22 @@ pub fn run(arguments: &[OsString]) -> ExitCode {
     }
 }
 
-fn refuse() -> ExitCode {
-    eprintln!("the bridge is a service of timegap: start it with `timegap run --bridge foxglove`");
-    ExitCode::from(2)
-}
-
 fn follow_orders(root: &Path, port: u16) -> Result<(), Error> {
     let group = Group::read(root)?;
     let scenario = group.scenario()?;
-    // Its time is not known yet; viewers may connect all the same.
-    let now = Start { start_ns: monotonic_ns(), ..start_of(&scenario) };
-    let server = open(port, &now.metadata(&scenario, group.mode), Some(root))?;
+    // The start is not known yet; viewers may connect all the same.
+    let server = open(port, &metadata(&group, &scenario, monotonic_ns()), Some(root))?;
     let taps = Tap::join(&group, "bridge").and_then(Taps::open)?;
     let orders = orders().map_err(MachineError::cannot("listen to the launcher"))?;
     loop {
         match orders.recv() {
             Ok(ToRecorder::Connect) => drop(taps.take()?),
             Ok(ToRecorder::Start(start)) => {
-                let metadata = start.metadata(&scenario, group.mode);
-                let ended = |wait| has_ended(&orders, wait);
-                return follow(&group, &taps, &metadata, start.start_ns, server, ended);
+                let metadata = metadata(&group, &scenario, start.start_ns);
+                return follow(&group, &taps, &metadata, server, |wait| {
+                    let order = orders.recv_timeout(wait);
+                    matches!(order, Ok(ToRecorder::Finish) | Err(RecvTimeoutError::Disconnected))
+                });
             }
             Ok(ToRecorder::Finish) | Err(_) => return Ok(()),
         }
@@ -65,22 +66,11 @@ fn follow_orders(root: &Path, port: u16) -> Result<(), Error> {
     }
 }
 
-/// Waits for an order; true if it is the one to end.
-fn has_ended(orders: &Receiver<ToRecorder>, wait: Duration) -> bool {
-    matches!(
-        orders.recv_timeout(wait),
-        Ok(ToRecorder::Finish) | Err(RecvTimeoutError::Disconnected)
-    )
-}
-
-/// Facts about a run that was not there from its start.
-fn start_of(scenario: &Scenario) -> Start {
-    Start {
-        start_ns: 0,
-        scheduling: BTreeMap::new(),
-        programs: BTreeMap::new(),
-        law: law_names(scenario),
-    }
+/// What viewers need to know of a run whose time began at `start_ns`.
+fn metadata(group: &Group, scenario: &Scenario, start_ns: i64) -> Metadata {
+    let (scheduling, programs) = Default::default();
+    let start = Start { start_ns, scheduling, programs, law: law_names(scenario) };
+    start.metadata(scenario, group.mode)
 }
 
 /// A run's `live.json`.
@@ -105,38 +95,38 @@ pub fn serve(viewer: &str, run: &Path, speed: f64) -> Result<ExitCode, Error> {
     let run = if run == Path::new("latest") { latest(Path::new("runs"))? } else { run.to_owned() };
     let path = run.join("live.json");
     let live = std::fs::read_to_string(&path).ok().map(|text| serde_json::from_str::<Live>(&text));
+    hold_signals()?;
     match live {
         Some(Ok(live)) if is_alive(&live.group.root) => join(&live, port)?,
         Some(Err(why)) => return Err(UsageError::at(path.display(), why, "a run's file").into()),
         Some(Ok(_)) | None => {
             let recording = Recording::open(&run)?;
-            recorded::play(&recording, open(port, recording.metadata(), None)?, speed);
+            let server = open(port, recording.metadata(), None)?;
+            return Ok(recorded::play(&recording, server, speed));
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// The newest directory in `runs`; their names begin with the time.
+/// The newest results in `runs`.
 fn latest(runs: &Path) -> Result<PathBuf, UsageError> {
     let entries = std::fs::read_dir(runs).into_iter().flatten().flatten();
-    let newest = entries.map(|entry| entry.path()).filter(|path| path.is_dir()).max();
+    let shown = |path: &PathBuf| path.join("live.json").exists() || path.join(FILE).exists();
+    let results = entries.map(|entry| entry.path()).filter(shown);
+    let newest = results.max_by_key(|path| path.metadata().and_then(|file| file.modified()).ok());
     newest.ok_or_else(|| {
         UsageError::option("--run", "latest", "there is no run in ./runs", "a results directory")
     })
 }
 
-fn join(live: &Live, port: u16) -> Result<(), Error> {
-    let Live { group, start_monotonic_ns } = live;
-    let scenario = group.scenario()?;
-    let start = Start { start_ns: *start_monotonic_ns, ..start_of(&scenario) };
-    let metadata = start.metadata(&scenario, group.mode);
+fn join(Live { group, start_monotonic_ns }: &Live, port: u16) -> Result<(), Error> {
+    let metadata = metadata(group, &group.scenario()?, *start_monotonic_ns);
     let server = open(port, &metadata, Some(&group.root))?;
     let taps = Tap::join(group, "guest-bridge").and_then(Taps::open)?;
-    let ended = |wait| {
+    follow(group, &taps, &metadata, server, |wait| {
         std::thread::sleep(wait);
-        !is_alive(&group.root)
-    };
-    follow(group, &taps, &metadata, start.start_ns, server, ended)
+        is_signalled() || !is_alive(&group.root)
+    })
 }
 
 /// Opens the server of a run with this metadata. Faults go to the run at `root`.
@@ -161,7 +151,6 @@ fn follow(
     group: &Group,
     taps: &Taps,
     metadata: &Metadata,
-    start_ns: i64,
     server: Server,
     mut ended: impl FnMut(Duration) -> bool,
 ) -> Result<(), Error> {
@@ -178,19 +167,13 @@ fn follow(
         if !server.is_watched() {
             continue;
         }
-        let now_ns = match group.mode {
-            Mode::Realtime => monotonic_ns() - start_ns,
-            Mode::Lockstep => i64::MAX,
-        };
-        let mut messages: Vec<_> = (batch.messages())
-            .map(|(topic, bytes)| (published_ns(bytes).min(now_ns), topic, bytes))
-            .collect();
-        messages.sort_by_key(|(published_ns, ..)| *published_ns);
-        let mut newest = None;
-        for (published_ns, topic, bytes) in messages {
-            newest = Some(hand_on(&mut encoder, (topic, published_ns, bytes), &server));
+        let mut messages: Vec<_> = batch.messages().collect();
+        messages.sort_by_key(|(_, bytes)| published_ns(bytes));
+        let mut hand_on =
+            |(topic, bytes)| hand_on(&mut encoder, (topic, published_ns(bytes), bytes), &server);
+        if let Some(unix_ns) = messages.into_iter().map(&mut hand_on).last() {
+            server.send_time(unix_ns);
         }
-        newest.into_iter().for_each(|unix_ns| server.send_time(unix_ns));
     }
     server.end("the run has ended");
     Ok(())

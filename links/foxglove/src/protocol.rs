@@ -99,28 +99,16 @@ pub(crate) fn service_failure(call: u32, message: &str) -> String {
 
 pub(crate) fn service_response(call: u32, response: &[u8]) -> Vec<u8> {
     const ENCODING: &[u8] = b"json";
-    let mut bytes = vec![SERVICE_RESPONSE];
-    bytes.extend(SERVICE.to_le_bytes());
-    bytes.extend(call.to_le_bytes());
-    bytes.extend((ENCODING.len() as u32).to_le_bytes());
-    bytes.extend_from_slice(ENCODING);
-    bytes.extend_from_slice(response);
-    bytes
+    let head = [SERVICE, call, ENCODING.len() as u32].map(u32::to_le_bytes).concat();
+    [&[SERVICE_RESPONSE], &head[..], ENCODING, response].concat()
 }
 
 pub(crate) fn message_data(subscription: u32, time: u64, payload: &[u8]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(13 + payload.len());
-    bytes.push(MESSAGE_DATA);
-    bytes.extend(subscription.to_le_bytes());
-    bytes.extend(time.to_le_bytes());
-    bytes.extend_from_slice(payload);
-    bytes
+    [&[MESSAGE_DATA], &subscription.to_le_bytes()[..], &time.to_le_bytes(), payload].concat()
 }
 
 pub(crate) fn time(time: u64) -> Vec<u8> {
-    let mut bytes = vec![TIME];
-    bytes.extend(time.to_le_bytes());
-    bytes
+    [&[TIME], &time.to_le_bytes()[..]].concat()
 }
 
 /// A client's text.
@@ -153,27 +141,17 @@ pub(crate) struct Subscription {
     pub(crate) channel_id: u16,
 }
 
-/// A client's call of a service: number of the call, and the request.
-#[derive(Debug, PartialEq)]
-pub(crate) struct Call<'a> {
-    pub(crate) service: u32,
-    pub(crate) call: u32,
-    pub(crate) encoding: &'a [u8],
-    pub(crate) request: &'a [u8],
-}
-
-/// Reads a client's binary message; `None` if it is no call of a service.
-pub(crate) fn call(bytes: &[u8]) -> Option<Call<'_>> {
+/// Reads a client's call of a service: numbers of the service and of the call, encoding, request. `None` if it is none.
+pub(crate) fn call(bytes: &[u8]) -> Option<(u32, u32, &[u8], &[u8])> {
     fn number(bytes: &[u8]) -> Option<(u32, &[u8])> {
         let (number, rest) = bytes.split_first_chunk()?;
         Some((u32::from_le_bytes(*number), rest))
     }
-    let rest = bytes.strip_prefix(&[SERVICE_REQUEST])?;
-    let (service, rest) = number(rest)?;
+    let (service, rest) = number(bytes.strip_prefix(&[SERVICE_REQUEST])?)?;
     let (call, rest) = number(rest)?;
     let (length, rest) = number(rest)?;
     let (encoding, request) = rest.split_at_checked(usize::try_from(length).ok()?)?;
-    Some(Call { service, call, encoding, request })
+    Some((service, call, encoding, request))
 }
 
 #[cfg(test)]
@@ -197,11 +175,7 @@ mod tests {
     fn a_call_is_read_and_a_short_one_is_none() {
         let mut bytes = vec![2, 1, 0, 0, 0, 9, 0, 0, 0, 4, 0, 0, 0];
         bytes.extend_from_slice(b"json{}");
-        let read = call(&bytes).expect("a call");
-        assert_eq!(
-            (read.service, read.call, read.encoding, read.request),
-            (1, 9, &b"json"[..], &b"{}"[..])
-        );
+        assert_eq!(call(&bytes), Some((1, 9, &b"json"[..], &b"{}"[..])));
         for length in 0..17 {
             assert_eq!(call(&bytes[..length]), None, "{length} bytes");
         }

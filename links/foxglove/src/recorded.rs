@@ -3,20 +3,24 @@
 use crate::live::hand_on;
 use crate::server::Server;
 use recorder::{Encoder, Recording};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use supervise::is_signalled;
 
 /// Time between two looks at the viewers.
 const POLL: Duration = Duration::from_millis(20);
 
-/// Plays all of a recording, from the moment at which the first viewer subscribes.
-pub(crate) fn play(recording: &Recording, server: Server, speed: f64) {
-    while !server.is_watched() {
+/// Plays all of a recording, from the moment at which the first viewer subscribes. Status 1 if parts of it are damaged,
+/// which lines name.
+pub(crate) fn play(recording: &Recording, server: Server, speed: f64) -> ExitCode {
+    while !server.is_watched() && !is_signalled() {
         std::thread::sleep(POLL);
     }
     let mut encoder = Encoder::of(recording.metadata());
     let begun = Instant::now();
     let (mut first_ns, mut shown) = (None, Duration::ZERO);
-    for record in recording.records() {
+    let mut records = recording.records();
+    for record in records.by_ref().take_while(|_| !is_signalled()) {
         let run_ns = record.log_time_ns - *first_ns.get_or_insert(record.log_time_ns);
         let due = Duration::from_nanos(run_ns.unsigned_abs()).div_f64(speed);
         // Messages of one look are sent together.
@@ -27,8 +31,11 @@ pub(crate) fn play(recording: &Recording, server: Server, speed: f64) {
         let message = (record.topic, record.log_time_ns, record.bytes());
         server.send_time(hand_on(&mut encoder, message, &server));
     }
-    while !server.is_idle() {
+    while !server.is_idle() && !is_signalled() {
         std::thread::sleep(POLL);
     }
     server.end("the recording has ended");
+    let damage: Vec<_> = recording.damage().iter().chain(records.damage()).collect();
+    damage.iter().for_each(|damage| eprintln!("{}: {damage}", recording.path().display()));
+    if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -216,7 +216,7 @@ fn a_viewer_that_never_reads_loses_the_oldest_and_holds_up_nothing() {
         }
     }
     assert!((1..60).contains(&received), "{received} of 64");
-    assert!(lost.contains("messages were lost"), "{lost}");
+    assert!(lost.contains("messages are lost"), "{lost}");
 }
 
 #[test]
