@@ -48,6 +48,7 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         ("janitor", _) => "the root of a run",
         ("bench", _) => "its root and job",
         ("hog", _) => "the root of a run, a resource and an amount",
+        ("bridge" | "ros2-law", _) => "a program that was built with `--features bridge`",
         (name, _) => {
             let service: Service = name.parse()?;
             return Ok(run_service(service, &texts, supervise::entry(service)));
