@@ -4,7 +4,7 @@ use crate::errors::{ScenarioError, raise};
 use pyo3::prelude::*;
 use scenario::quantity::Seed;
 use scenario::{Setting, option_value};
-use supervise::{Error, LawOptions, LawSource, NamedLaw, OptionNames, ScenarioOptions};
+use supervise::{Error, LawOptions, LawSource, NamedLaw, ScenarioOptions};
 
 fn refuse(error: scenario::ScenarioError) -> PyErr {
     raise(&Error::from(error))
@@ -39,13 +39,7 @@ impl Scenario {
             duration: value("duration_s:", duration)?,
             set: set.map_err(refuse)?,
             laws: LawOptions { laws: own.into_iter().collect() },
-            names: OptionNames {
-                controller: "law:",
-                seed: "seed:",
-                duration: "duration_s:",
-                set: "set:",
-                law: "law:",
-            },
+            are_from_python: true,
             ..ScenarioOptions::default()
         };
         supervise::open(name, &options).map(Self).map_err(|error| raise(&error))

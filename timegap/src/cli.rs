@@ -8,7 +8,7 @@ use crate::recordings::recover::RecoverArguments;
 use crate::recordings::replay::ReplayArguments;
 use crate::trace::TraceArguments;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Arg, ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 use scenario::ScenarioError;
 use std::error::Error;
 use std::ffi::OsString;
@@ -41,7 +41,7 @@ pub enum Command {
     Rsu(crate::rsu::RsuArguments),
     /// Drive scenarios with several controllers and compare them
     Compare(frame::Command<grid::compare::CompareArguments>),
-    /// Drive a scenario for several values of a key and print a figure of each
+    /// Drive a scenario for several values of its keys, and show the figures as functions of them
     Sweep(frame::Command<grid::sweep::SweepArguments>),
     /// Drive a string of cars and print how it amplifies speed changes
     String(frame::Command<string::StringArguments>),
@@ -65,7 +65,7 @@ pub enum Command {
     Bench(bench::BenchArguments),
     /// Check this machine for real time, and print commands that improve it
     Doctor(doctor::DoctorArguments),
-    /// List scenarios, controllers and campaigns
+    /// List scenarios, controllers, campaigns and tests
     List(crate::list::ListArguments),
     /// Print schemas, layouts, references, completions or the man page
     #[command(subcommand)]
@@ -205,14 +205,16 @@ impl Cli {
     ) -> Result<Self, clap::Error> {
         let command = Self::command();
         let groups = groups(&command);
-        let command = with_negative_numbers(command).before_help(groups);
+        let command = as_we_read(command).before_help(groups);
         Self::from_arg_matches(&command.try_get_matches_from(words)?)
     }
 }
 
-/// A word such as `-1` is a value, in subcommands of subcommands too.
-fn with_negative_numbers(command: clap::Command) -> clap::Command {
-    command.allow_negative_numbers(true).mut_subcommands(with_negative_numbers)
+/// In all subcommands a word such as `-1` is a value, and `--help` has one line for each option.
+fn as_we_read(command: clap::Command) -> clap::Command {
+    let help = Arg::new("help").short('h').long("help").help("Print help");
+    let command = command.disable_help_flag(true).arg(help.action(ArgAction::HelpShort));
+    command.allow_negative_numbers(true).mut_subcommands(as_we_read)
 }
 
 /// Adds the expected value where clap leaves it out.

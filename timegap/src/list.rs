@@ -69,7 +69,7 @@ pub fn print_schema(arguments: &SchemaArguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
+pub fn run(arguments: &ListArguments, command: &clap::Command) -> Result<ExitCode, Error> {
     if let Some(name) = arguments.show.as_deref().filter(|name| supervise::is_openscenario(name)) {
         let parameters = arguments.parameters.clone();
         let ego = arguments.ego.clone();
@@ -85,7 +85,7 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     }
     if let Some(name) = &arguments.show {
         let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.text));
-        let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.text));
+        let campaigns = campaign::BUILTIN.into_iter();
         let files: Vec<_> = scenarios.chain(campaigns).collect();
         let found = files.iter().find(|(known, _)| known == name);
         let (_, text) = found.ok_or_else(|| {
@@ -96,34 +96,45 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
         print::out(text)?;
         return Ok(ExitCode::SUCCESS);
     }
-    let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
-    let controllers = laws::ALL.iter().map(|law| (law.name, law.description));
-    let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.summary));
-    let tests = populations::summaries();
-    let tests = tests.iter().map(|(name, line)| (name.as_str(), line.as_str()));
+    let line = |name: &str, line: &str| (name.to_owned(), line.to_owned());
+    let scenarios = builtin::ALL.iter().map(|builtin| line(builtin.name, builtin.summary));
+    let controllers = laws::ALL.iter().map(|law| line(law.name, law.description));
+    let campaigns = campaign::summaries().map(|(name, about)| line(name, &about));
+    let tests =
+        command.find_subcommand("test").into_iter().flat_map(clap::Command::get_subcommands);
+    let tests = tests.map(|test| {
+        let about = test.get_about().map(ToString::to_string).unwrap_or_default();
+        line(test.get_name(), &about)
+    });
+    let lists: [(&str, Vec<(String, String)>); 4] = [
+        (
+            "Scenarios (timegap run NAME; timegap list --show NAME prints the file)",
+            scenarios.collect(),
+        ),
+        ("Controllers (timegap run --controller NAME)", controllers.collect()),
+        ("Campaigns (timegap campaign NAME)", campaigns.collect()),
+        ("Tests (timegap test NAME)", tests.collect()),
+    ];
     if arguments.json {
         let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
+        let [scenarios, _, campaigns, tests] =
+            lists.map(|(_, rows)| rows.into_iter().map(entry).collect::<Vec<_>>());
         let list = serde_json::json!({
             "schema_version": 1,
-            "scenarios": scenarios.map(entry).collect::<Vec<_>>(),
+            "scenarios": scenarios,
             "controllers": laws::ALL.iter().copied().map(controller).collect::<Vec<_>>(),
-            "campaigns": campaigns.map(entry).collect::<Vec<_>>(),
-            "tests": tests.map(entry).collect::<Vec<_>>(),
+            "campaigns": campaigns,
+            "tests": tests,
         });
         let json = serde_json::to_string_pretty(&list).expect("plain data");
         print::out(&(json + "\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let mut text = String::new();
-    text.push_str("Scenarios (timegap run NAME; timegap list --show NAME prints the file):\n");
-    scenarios.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
-    text.push_str("Controllers (timegap run --controller NAME):\n");
-    controllers.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
-    text.push_str("Campaigns (timegap campaign NAME):\n");
-    campaigns.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
-    text.push_str("Tests (timegap test NAME):\n");
-    tests.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
-    print::out(&text)?;
+    let row = |(name, line): &(String, String)| format!("  {name:<26} {line}\n");
+    let list = |(title, rows): &(&str, Vec<(String, String)>)| {
+        format!("{title}:\n{}", rows.iter().map(row).collect::<String>())
+    };
+    print::out(&lists.iter().map(list).collect::<String>())?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -82,7 +82,7 @@ fn run_command() -> ExitCode {
         Command::Recording(command) => recording(&command),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
-        Command::List(arguments) => list::run(&arguments),
+        Command::List(arguments) => list::run(&arguments, &Cli::command()),
         Command::Print(PrintCommand::Schema(arguments)) => list::print_schema(&arguments),
         Command::Print(PrintCommand::Layouts(arguments)) => recordings::layouts::run(&arguments),
         Command::Print(PrintCommand::Generated(what)) => list::generate(&what, Cli::command()),

@@ -98,12 +98,12 @@ impl Targets {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::open::{BUILTIN, Builtin};
+    use crate::open::BUILTIN;
     use crate::{open, plan};
 
     #[test]
     fn the_drives_without_faults_of_every_built_in_campaign_are_possible() {
-        for Builtin { name, .. } in BUILTIN {
+        for (name, _) in BUILTIN {
             let campaign = open::open(name).expect("it is built in");
             let plan = plan::plan(&campaign).expect("it is built in");
             let drives = fault_free(&campaign, &plan).unwrap_or_else(|e| panic!("{name}: {e}"));

@@ -48,5 +48,5 @@ mod variation;
 mod verdict;
 
 pub use columns::schema;
-pub use open::BUILTIN;
+pub use open::{BUILTIN, summaries};
 pub use study::{CampaignArguments, ENTRY, run};

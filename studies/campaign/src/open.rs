@@ -19,13 +19,13 @@ const REQUIRED: &str = "require = { max_avoidable_collisions = 0, max_aborted = 
 
 /// The built-in campaign of that name, or the file at that path.
 pub fn open(argument: &str) -> Result<Campaign, Error> {
-    if let Some(builtin) = BUILTIN.iter().find(|builtin| builtin.name == argument) {
-        return Campaign::parse(&format!("built-in {argument}"), builtin.text);
+    if let Some((_, text)) = BUILTIN.iter().find(|(name, _)| *name == argument) {
+        return Campaign::parse(&format!("built-in {argument}"), text);
     }
     let path = Path::new(argument);
     if !path.exists() {
         let why = "no built-in campaign and no file of this name";
-        let names = scenario::accepted(argument, BUILTIN.iter().map(|builtin| builtin.name));
+        let names = scenario::accepted(argument, BUILTIN.iter().map(|(name, _)| *name));
         return Err(UsageError::at(argument, why, format_args!("a path or {names}")).into());
     }
     if supervise::is_openscenario(argument) {
@@ -85,60 +85,32 @@ pub fn of_variation(path: &Path) -> Result<Campaign, Error> {
     })
 }
 
-/// A campaign compiled into the program.
-#[derive(Clone, Copy, Debug)]
-pub struct Builtin {
-    /// Name, as given on the command line.
-    pub name: &'static str,
-    /// Its purpose, in one line.
-    pub summary: &'static str,
-    /// The campaign file.
-    pub text: &'static str,
-}
-
-/// Every built-in campaign file.
-pub const BUILTIN: [Builtin; 6] = [
-    Builtin {
-        name: "kills",
-        summary: "1,000 SIGKILLs over all processes of a run, most of them in critical phases, in realtime",
-        text: include_str!("../campaigns/kills.toml"),
-    },
-    Builtin {
-        name: "messages",
-        summary: "10,000 runs in lockstep, each with 2 to 4 seeded faults of messages of up to 20 s",
-        text: include_str!("../campaigns/messages.toml"),
-    },
-    Builtin {
-        name: "radio",
-        summary: "2,000 drives through signals whose frames are lost, late and falsified",
-        text: include_str!("../campaigns/radio.toml"),
-    },
-    Builtin {
-        name: "restarts",
-        summary: "1,000 SIGKILLs of services without a standby, each replaced at once",
-        text: include_str!("../campaigns/restarts.toml"),
-    },
-    Builtin {
-        name: "soak",
-        summary: "half an hour of realtime with random kills: nothing grows",
-        text: include_str!("../campaigns/soak.toml"),
-    },
-    Builtin {
-        name: "takeovers",
-        summary: "1,000 SIGKILLs of a controller with a standby, at control periods of 10 ms",
-        text: include_str!("../campaigns/takeovers.toml"),
-    },
+/// Every built-in campaign: its name, as given on the command line, and its file.
+pub const BUILTIN: [(&str, &str); 6] = [
+    ("kills", include_str!("../campaigns/kills.toml")),
+    ("messages", include_str!("../campaigns/messages.toml")),
+    ("radio", include_str!("../campaigns/radio.toml")),
+    ("restarts", include_str!("../campaigns/restarts.toml")),
+    ("soak", include_str!("../campaigns/soak.toml")),
+    ("takeovers", include_str!("../campaigns/takeovers.toml")),
 ];
+
+/// The built-in campaigns with their purpose in one line.
+pub fn summaries() -> impl Iterator<Item = (&'static str, String)> {
+    BUILTIN.into_iter().map(|(name, text)| {
+        let campaign = Campaign::parse(name, text).expect("a test reads each");
+        (name, campaign.description.as_str().to_owned())
+    })
+}
 
 #[cfg(test)]
 mod tests {
-    use super::super::open::Builtin;
     use super::*;
     use std::num::NonZeroU32;
 
     #[test]
     fn the_built_in_campaigns_read_back_as_they_are() {
-        for Builtin { name, summary, .. } in BUILTIN {
+        for (name, summary) in summaries() {
             let campaign = open(name).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(campaign.name.as_str(), name);
             assert_eq!(campaign.description.as_str(), summary);

@@ -17,7 +17,10 @@
 //! that repeats it.
 //!
 //! ```
-//! let names: Vec<String> = populations::summaries().into_iter().map(|(name, _)| name).collect();
+//! use clap::Subcommand;
+//!
+//! let command = populations::PopulationCommand::augment_subcommands(clap::Command::new("test"));
+//! let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
 //! assert_eq!(names, ["signals", "curves", "everyday", "plausibility"]);
 //! ```
 
@@ -82,16 +85,6 @@ fn drive_all<P: population::Population>(
     let Some(table) = &command.study.effects else { return frame::run::<study::Test<P>>(command) };
     effects::print::<P>(&mut study::Test::of(&command.study)?, table, &command.options.group)?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// The populations with their purpose in one line.
-pub fn summaries() -> Vec<(String, String)> {
-    let command = PopulationCommand::augment_subcommands(clap::Command::new("test"));
-    let summary = |command: &clap::Command| {
-        let about = command.get_about().map(ToString::to_string);
-        (command.get_name().to_owned(), about.unwrap_or_default())
-    };
-    command.get_subcommands().map(summary).collect()
 }
 
 /// Contents of the JSON of all populations.

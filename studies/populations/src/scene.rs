@@ -12,15 +12,18 @@
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use std::fmt::Write;
+use scenario::{Setting, Table, table};
 
 /// Width of the ego, and of a car, m.
 pub const CAR_WIDTH_M: f64 = 1.8;
 /// Length of the ego, and of a car, m.
 pub const CAR_LENGTH_M: f64 = 4.5;
 pub const LANE_M: f64 = 3.5;
-/// The engine of the ego, a line of `[plant]`.
-pub const ENGINE: &str = "powertrain = { mass_kg = 1600, max_power_kw = 110 }\n";
+
+/// The engine of the ego.
+pub fn engine() -> Table {
+    table! { mass_kg: 1600, max_power_kw: 110 }
+}
 
 /// A number as it is written with this number of decimals.
 pub fn fixed(number: f64, decimals: i32) -> f64 {
@@ -60,8 +63,8 @@ pub struct Actor {
     pub speeds: Vec<SpeedChange>,
     /// Motions across the road, in order of time and one after the other.
     pub laterals: Vec<LateralChange>,
-    /// Further lines of its table.
-    pub keys: String,
+    /// Further keys of its table.
+    pub keys: Table,
 }
 
 /// Place and motion of a vehicle at a time.
@@ -87,7 +90,7 @@ impl Actor {
             width_m: CAR_WIDTH_M,
             speeds: Vec::new(),
             laterals: Vec::new(),
-            keys: String::new(),
+            keys: Table::new(),
         }
     }
 
@@ -135,32 +138,32 @@ impl Actor {
         self
     }
 
-    fn write(&self, text: &mut String) -> std::fmt::Result {
-        let Self { name, gap_m, speed_mps, lateral_m, length_m, width_m, .. } = self;
-        write!(
-            text,
-            "[[actors]]\nname = \"{name}\"\ngap_m = {gap_m}\ninitial_speed_mps = {speed_mps}\n\
-             lateral_offset_m = {lateral_m}\nlength_m = {length_m}\nwidth_m = {width_m}\n{}",
-            self.keys
-        )?;
+    fn table(&self) -> Table {
+        let mut table = table! {
+            name: self.name.as_str(),
+            gap_m: self.gap_m,
+            initial_speed_mps: self.speed_mps,
+            lateral_offset_m: self.lateral_m,
+            length_m: self.length_m,
+            width_m: self.width_m,
+        };
+        table.extend(self.keys.clone());
+        let speed = |change: &SpeedChange| {
+            let SpeedChange { from_s, to_mps, rate_mps2 } = *change;
+            table! { time_s: from_s, speed_mps: to_mps, acceleration_mps2: rate_mps2 }
+        };
         if !self.speeds.is_empty() {
-            write!(text, "profile.steps = [")?;
-            for SpeedChange { from_s, to_mps, rate_mps2 } in &self.speeds {
-                write!(
-                    text,
-                    "{{ time_s = {from_s}, speed_mps = {to_mps}, acceleration_mps2 = {rate_mps2} }}, "
-                )?;
-            }
-            writeln!(text, "]")?;
+            let steps: Vec<Table> = self.speeds.iter().map(speed).collect();
+            table.extend(table! { profile: table! { steps: steps } });
         }
+        let lateral = |&LateralChange { from_s, to_m, lasts_s }: &LateralChange| {
+            table! { time_s: from_s, to_m: to_m, duration_s: lasts_s }
+        };
         if !self.laterals.is_empty() {
-            write!(text, "lateral = [")?;
-            for LateralChange { from_s, to_m, lasts_s } in &self.laterals {
-                write!(text, "{{ time_s = {from_s}, to_m = {to_m}, duration_s = {lasts_s} }}, ")?;
-            }
-            writeln!(text, "]")?;
+            let lateral: Vec<Table> = self.laterals.iter().map(lateral).collect();
+            table.extend(table! { lateral: lateral });
         }
-        Ok(())
+        table
     }
 }
 
@@ -172,20 +175,20 @@ pub struct Scene {
     pub duration_s: f64,
     pub law: String,
     pub actors: Vec<Actor>,
-    /// Further keys before all tables.
-    pub keys: String,
-    /// Further lines of `[plant]`.
-    pub plant: String,
-    /// Further tables of the scenario.
-    pub tables: String,
+    /// Vehicles whose motion only the simulator knows.
+    pub others: Vec<Table>,
+    /// Further keys of `[plant]`.
+    pub plant: Table,
+    /// Further keys of the scenario.
+    pub keys: Vec<Setting>,
 }
 
 impl Scene {
     /// A scene without other vehicles.
     pub fn new(speed_mps: f64, set_mps: f64, duration_s: f64) -> Self {
-        let [law, keys, tables] = [const { String::new() }; 3];
-        let (plant, actors) = (ENGINE.to_owned(), Vec::new());
-        Self { speed_mps, set_mps, duration_s, law, actors, keys, plant, tables }
+        let (law, plant) = (String::new(), table! { powertrain: engine() });
+        let (actors, others, keys) = (Vec::new(), Vec::new(), Vec::new());
+        Self { speed_mps, set_mps, duration_s, law, actors, others, plant, keys }
     }
 
     pub fn with(mut self, actor: Actor) -> Self {
@@ -193,18 +196,21 @@ impl Scene {
         self
     }
 
-    /// The scenario file of it.
-    pub fn text(&self, name: &str, seed: u64) -> String {
-        let Self { speed_mps, set_mps, duration_s, law, actors, keys, plant, tables } = self;
-        let mut text = format!(
-            "schema_version = 1\nname = \"{name}\"\nduration_s = {duration_s}\nseed = {seed}\n\
-             set_speed_mps = {set_mps}\n{keys}[plant]\ninitial_speed_mps = {speed_mps}\n{plant}\
-             [controller]\nname = \"{law}\"\n"
-        );
-        for actor in actors {
-            actor.write(&mut text).expect("a string takes all");
-        }
-        text + tables
+    /// Its scenario as settings.
+    pub fn settings(&self, name: &str, seed: u64) -> Vec<Setting> {
+        let mut plant = self.plant.clone();
+        plant.extend(table! { initial_speed_mps: self.speed_mps });
+        let actors = self.actors.iter().map(Actor::table).chain(self.others.iter().cloned());
+        let own = [
+            Setting::new("name", name),
+            Setting::new("duration_s", self.duration_s),
+            Setting::new("seed", seed as i64),
+            Setting::new("set_speed_mps", self.set_mps),
+            Setting::new("plant", plant),
+            Setting::new("controller.name", self.law.as_str()),
+            Setting::new("actors", actors.collect::<Vec<_>>()),
+        ];
+        [&own[..], &self.keys].concat()
     }
 }
 

@@ -39,10 +39,6 @@ pub const STABLE_GAIN: f64 = 1.005;
 /// The study, for `merge` and `resume`.
 pub const ENTRY: Entry = Entry::of::<drive::Strings>();
 
-/// Runs the command.
-///
-/// # Errors
-/// A scenario, law or range that cannot be driven, else as [`frame::run`].
 pub fn run(command: &Command<StringArguments>) -> Result<ExitCode, Error> {
     frame::run::<drive::Strings>(command)
 }

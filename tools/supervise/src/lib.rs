@@ -41,7 +41,7 @@ pub use events::{flag_end, hold_signals, is_signalled};
 pub use faults::disturbance::run as run_hog;
 pub use in_process::entry;
 pub use options::laws::{LawOptions, LawSource, NamedLaw};
-pub use options::{GroupOptions, OptionNames, ScenarioOptions, mode, service_program};
+pub use options::{GroupOptions, ScenarioOptions, mode, service_program};
 pub use recording::law_names;
 pub use refusal::{absent, check_in_process, check_targets};
 pub use replay::{Replayed, replay};

@@ -48,25 +48,25 @@ impl Opening {
     pub fn of(name: &str, options: &ScenarioOptions) -> Result<Self, Error> {
         let overrides = Overrides::new();
         let mut overrides = if options.is_for_one_law { overrides } else { overrides.shared() };
-        let names = &options.names;
+        let named = |option| if options.are_from_python { in_python(option) } else { option };
         options.laws.check()?;
-        options.laws.lay_over(names.law, &mut overrides);
+        options.laws.lay_over(named("--law"), &mut overrides);
         match (&options.controller, options.laws.only()) {
             (Some(controller), _) => {
-                overrides.option(names.controller, "controller.name", controller.as_str())
+                overrides.option(named("--controller"), "controller.name", controller.as_str())
             }
             // The only law of the user's that was named is meant.
-            (None, Some(law)) => overrides.option(names.law, "controller.name", law),
+            (None, Some(law)) => overrides.option(named("--law"), "controller.name", law),
             (None, None) => {}
         }
         if let Some(seed) = &options.seed {
-            overrides.option(names.seed, "seed", seed.clone());
+            overrides.option(named("--seed"), "seed", seed.clone());
         }
         if let Some(duration) = &options.duration {
-            overrides.option(names.duration, "duration_s", duration.clone());
+            overrides.option(named("--duration"), "duration_s", duration.clone());
         }
         for setting in &options.set {
-            overrides.set_by(names.set, setting.clone());
+            overrides.set_by(named("--set"), setting.clone());
         }
         if let Some(radio) = &options.radio {
             overrides.option("--radio", "v2x.radio", from_here(radio));
@@ -123,6 +123,16 @@ impl Opening {
             options.laws.expect_all_in(&[scenario.controller.name.as_str()])?;
         }
         Ok(scenario)
+    }
+}
+
+/// Name of an option among the arguments of Python's functions.
+fn in_python(option: &str) -> &'static str {
+    match option {
+        "--seed" => "seed:",
+        "--duration" => "duration_s:",
+        "--set" => "set:",
+        _ => "law:",
     }
 }
 

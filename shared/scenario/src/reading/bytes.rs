@@ -10,8 +10,8 @@ use super::error::ScenarioError;
 use super::open::Place;
 use super::problem::Problem;
 use super::reads::Reads;
-use crate::Scenario;
 use crate::faults::{self, Fault};
+use crate::{Overrides, Scenario};
 
 /// Reason why bytes are not a scenario or a fault.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -61,7 +61,8 @@ impl Scenario {
     /// # Errors
     /// When the bytes are damaged or come from another version of the program.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, DecodeError> {
-        let document = Document::of_values(decode(bytes)?);
+        let none = Overrides::new();
+        let document = Document::of_values(decode(bytes)?, &none);
         Ok(Self::of_document(&document, Place::TakenEffect, &|_| Ok(Reads::everything()))?)
     }
 }
@@ -129,7 +130,7 @@ impl From<Value> for toml::Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Overrides, builtin};
+    use crate::builtin;
     use proptest::prelude::*;
     use std::path::Path;
 

@@ -2,7 +2,6 @@
 //!
 //! Reading needs values alone. An error needs a place: it is looked up in the texts by the key's path.
 
-use std::borrow::Cow;
 use std::ops::Range;
 
 use serde::de::DeserializeOwned;
@@ -26,7 +25,7 @@ pub const MAX_TEXT_BYTES: usize = 1 << 20;
 /// The keys of a file with their overrides.
 pub(crate) struct Document<'a> {
     origin: Origin<'a>,
-    overrides: Cow<'a, Overrides>,
+    overrides: &'a Overrides,
     root: Table,
 }
 
@@ -37,7 +36,7 @@ enum Origin<'a> {
     Text { source: &'a str, text: &'a str },
     /// A file of another format.
     Foreign(&'a Foreign),
-    /// Another process.
+    /// A program.
     Values,
 }
 
@@ -104,12 +103,12 @@ impl<'a> Document<'a> {
         overrides: &'a Overrides,
     ) -> Result<Self, ScenarioError> {
         let root = overrides.laid_over(root)?;
-        Ok(Self { origin, overrides: Cow::Borrowed(overrides), root })
+        Ok(Self { origin, overrides, root })
     }
 
-    /// Takes the values that another process wrote.
-    pub(crate) fn of_values(root: Table) -> Self {
-        Self { origin: Origin::Values, overrides: Cow::Owned(Overrides::new()), root }
+    /// Takes values that a program has, with `overrides` over them already.
+    pub(crate) fn of_values(root: Table, overrides: &'a Overrides) -> Self {
+        Self { origin: Origin::Values, overrides, root }
     }
 
     /// The keys.

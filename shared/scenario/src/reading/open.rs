@@ -12,6 +12,7 @@ use super::overrides::Overrides;
 use super::problem::Problem;
 use super::reads::{self, Reads};
 use super::refusal::Refusal;
+use super::setting::Setting;
 use super::{text_file, typed};
 use crate::controller::Release;
 use crate::quantity::PeriodMs;
@@ -41,6 +42,23 @@ impl Scenario {
         check: &dyn Fn(&Self) -> Result<Reads, Problem>,
     ) -> Result<Self, ScenarioError> {
         let document = Document::parse(source_name, text, overrides)?;
+        Self::of_document(&document, Place::TakenEffect, check)
+    }
+
+    /// The scenario that has these settings, with `overrides` laid over them. Other keys have their defaults.
+    ///
+    /// # Errors
+    /// As [`Scenario::parse_with`].
+    pub fn of_settings(
+        settings: &[Setting],
+        overrides: &Overrides,
+        check: Check<'_>,
+    ) -> Result<Self, ScenarioError> {
+        let mut own = Overrides::new();
+        own.option("schema_version", "schema_version", SCHEMA_VERSION);
+        settings.iter().cloned().for_each(|setting| own.set(setting));
+        let root = own.laid_over(Table::new())?;
+        let document = Document::of_values(overrides.laid_over(root)?, overrides);
         Self::of_document(&document, Place::TakenEffect, check)
     }
 

@@ -32,12 +32,12 @@ impl DriveOptions {
         Ok(named)
     }
 
-    /// The scenario of a text with these options.
-    pub fn parse(&self, name: &str, text: &str) -> Result<Scenario, Error> {
+    /// The scenario of a study's own settings with these options.
+    pub fn scenario(&self, settings: &[Setting]) -> Result<Scenario, Error> {
         let mut overrides = Overrides::new().shared();
         self.laws.lay_over("--law", &mut overrides);
         self.set.iter().cloned().for_each(|setting| overrides.set(setting));
-        let mut scenario = Scenario::parse_with(name, text, &overrides, &laws::check)?;
+        let mut scenario = Scenario::of_settings(settings, &overrides, &laws::check)?;
         scenario.require.formulas.extend_from_slice(&self.require);
         supervise::requirements(&scenario)?;
         Ok(scenario)

@@ -30,8 +30,7 @@ impl<A: Args> Command<A> {
 /// How the runs of a study are done, and the place and forms of its results.
 #[derive(Clone, Debug, Args)]
 pub struct RunOptions {
-    /// Do only part I of N of the runs; `auto` takes both numbers from the array job's environment, `auto/N` only I;
-    /// `timegap merge` joins the parts
+    /// Do part I of N of the runs; `auto` takes both from the array job's environment, `auto/N` only I; see `merge`
     #[arg(long, value_name = "I/N|auto")]
     pub shard: Option<ShardChoice>,
     /// Do the study in this directory: go on with the same study there, or begin it

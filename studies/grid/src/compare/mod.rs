@@ -48,10 +48,6 @@ pub struct CompareArguments {
     pub against: Option<PathBuf>,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// A scenario or law that cannot be driven, else as [`frame::run`].
 pub fn run(command: &Command<CompareArguments>) -> Result<ExitCode, Error> {
     frame::run::<Laws>(command)
 }

@@ -48,10 +48,6 @@ pub struct SweepArguments {
     pub mode: Mode,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// A scenario, key or grid that cannot be driven, else as [`frame::run`].
 pub fn run(command: &Command<SweepArguments>) -> Result<ExitCode, Error> {
     frame::run::<Points>(command)
 }

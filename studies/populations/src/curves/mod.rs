@@ -11,7 +11,7 @@ pub mod scenes;
 use frame::batch::Done;
 use report::results::{Column, count, number, word};
 use report::targets::{Place, Sums};
-use scenario::Scenario;
+use scenario::{Scenario, Setting};
 use serde_json::{Value, json};
 use supervise::Error;
 use supervise::report::Outcome;
@@ -28,12 +28,12 @@ const IN_LANE: &str = "in-lane";
 /// The sources that drive by default. Limits hold for them.
 const COUNTED: &str = "+ trails";
 /// Sources of a course by name, each with all of the earlier ones.
-const SOURCES: [(&str, &str); 5] = [
-    ("straight", ""),
-    ("yaw rate", "\"yaw-rate\""),
-    ("+ standing", "\"yaw-rate\", \"standing\""),
-    (COUNTED, "\"yaw-rate\", \"standing\", \"trails\""),
-    ("+ map", "\"yaw-rate\", \"standing\", \"trails\", \"map\""),
+const SOURCES: [(&str, &[&str]); 5] = [
+    ("straight", &[]),
+    ("yaw rate", &["yaw-rate"]),
+    ("+ standing", &["yaw-rate", "standing"]),
+    (COUNTED, &["yaw-rate", "standing", "trails"]),
+    ("+ map", &["yaw-rate", "standing", "trails", "map"]),
 ];
 
 /// Curved roads with the law that drives them.
@@ -70,10 +70,10 @@ impl Population for Curves {
             _ => scenes::queue(number, kind == IN_LANE),
         };
         let sources = SOURCES.iter().find(|(name, _)| *name == planned.keys[1]);
-        let sources = sources.map_or("", |(_, sources)| sources);
-        scene.tables += &format!("[perception.course]\nsources = [{sources}]\n");
+        let sources = sources.map_or(Vec::new(), |(_, sources)| sources.to_vec());
+        scene.keys.push(Setting::new("perception.course.sources", sources));
         scene.law.clone_from(&planned.law);
-        options.parse("scene", &scene.text(&format!("curves-{kind}-{number}"), number))
+        options.scenario(&scene.settings(&format!("curves-{kind}-{number}"), number))
     }
 
     fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Facts {

@@ -29,6 +29,7 @@
 use std::f64::consts::TAU;
 
 use crate::scene::{Actor, Draws, LANE_M, LateralChange, Scene, fixed};
+use scenario::{Setting, Table, table};
 
 /// Select the draws.
 const ROADS: u64 = 0xc04e_5ead_0000_5e1d;
@@ -56,14 +57,15 @@ const BEHIND_M: f64 = 500.0;
 const STOPS_S: f64 = 20.0;
 
 /// A scene on a road in the plane. The ego wanders, and its radar has all of its imperfections.
-fn on(plan: &str, speed_mps: f64, duration_s: f64) -> Scene {
+fn on(mut plan: Table, speed_mps: f64, duration_s: f64) -> Scene {
     let speed_mps = fixed(speed_mps, 3);
     let mut scene = Scene::new(speed_mps, speed_mps, fixed(duration_s, 1));
-    scene.tables = format!(
-        "[road.plan]\n{plan}\nlanes = {{ left = 1, right = 1, width_m = {LANE_M} }}\n\
-         [plant.lateral]\nmodel = \"single-track\"\n\
-         [perception.radar]\ndropout_probability = 0.02\nlatency_ms = 50\n"
-    );
+    plan.extend(table! { lanes: table! { left: 1, right: 1, width_m: LANE_M } });
+    scene.keys = vec![
+        Setting::new("road.plan", plan),
+        Setting::new("plant.lateral.model", "single-track"),
+        Setting::new("perception.radar", table! { dropout_probability: 0.02, latency_ms: 50 }),
+    ];
     scene
 }
 
@@ -71,11 +73,14 @@ pub fn road(number: u64) -> Scene {
     let mut draws = Draws::new(number, ROADS);
     let speed_mps = draws.between(16.0, 22.4);
     let lead_m = draws.between(30.0, 100.0);
-    let plan = format!(
-        "generated = {{ seed = {number}, length_km = {ROAD_KM}, min_radius_m = 250, \
-         max_radius_m = 2000, spiral_m = [30, 200] }}"
-    );
-    let mut scene = on(&plan, speed_mps, LENGTH_M / speed_mps);
+    let generated = table! {
+        seed: number as i64,
+        length_km: ROAD_KM,
+        min_radius_m: 250,
+        max_radius_m: 2000,
+        spiral_m: vec![30, 200],
+    };
+    let mut scene = on(table! { generated: generated }, speed_mps, LENGTH_M / speed_mps);
     for (name, lane_m, waves_mps2) in
         [("lead", 0.0, 0.3), ("left", LANE_M, 0.5), ("right", -LANE_M, 0.5)]
     {
@@ -85,15 +90,16 @@ pub fn road(number: u64) -> Scene {
         let period_s = draws.between(12.0, 30.0);
         // The acceleration a sin(2 pi t / T) adds a T / (2 pi) to the mean speed.
         let first_mps = speed_mps - amplitude_mps2 * period_s / TAU;
-        let keys = format!(
-            "profile.sine = {{ amplitude_mps2 = {amplitude_mps2:.3}, period_s = {period_s:.2} }}\n"
-        );
+        let sine = table! {
+            amplitude_mps2: fixed(amplitude_mps2, 3),
+            period_s: fixed(period_s, 2),
+        };
         scene.actors.push(Actor {
             lateral_m: lane_m,
             length_m,
             width_m,
             laterals: wander(&mut draws, lane_m, LENGTH_M / speed_mps),
-            keys,
+            keys: table! { profile: table! { sine: sine } },
             ..Actor::car(name, fixed(share * lead_m, 2), fixed(first_mps, 3))
         });
     }
@@ -139,15 +145,13 @@ pub fn queue(number: u64, is_in_lane: bool) -> Scene {
         actors.push(Actor { lateral_m: fixed(lane_m + offset_m, 3), length_m, width_m, ..car });
         rear_m += length_m + gap_m;
     }
-    let spiral =
-        spiral_m.map_or_else(String::new, |spiral_m| format!("{{ spiral_m = {spiral_m:.2} }}, "));
-    let plan = format!(
-        "pieces = [{{ line_m = {line_m:.2} }}, {spiral}\
-         {{ arc_m = {arc_m:.2}, radius_m = {radius_m:.2}, turn = \"{turn}\" }}, {spiral}\
-         {{ line_m = {BEHIND_M} }}]"
-    );
+    let spiral = || spiral_m.map(|spiral_m| table! { spiral_m: fixed(spiral_m, 2) });
+    let arc = table! { arc_m: fixed(arc_m, 2), radius_m: fixed(radius_m, 2), turn: turn };
+    let line = |line_m: f64| Some(table! { line_m: fixed(line_m, 2) });
+    let pieces = [line(line_m), spiral(), Some(arc), spiral(), line(BEHIND_M)];
+    let plan = table! { pieces: pieces.into_iter().flatten().collect::<Vec<_>>() };
     let (way_m, rest_s) = if is_in_lane { (end_m, STOPS_S) } else { (rear_m + 20.0, 0.0) };
-    Scene { actors, ..on(&plan, speed_mps, way_m / speed_mps + rest_s) }
+    Scene { actors, ..on(plan, speed_mps, way_m / speed_mps + rest_s) }
 }
 
 #[cfg(test)]
@@ -185,8 +189,9 @@ mod tests {
             let beside = scene.actors.iter().all(|car| (3.2..=3.8).contains(&car.lateral_m.abs()));
             assert!(beside, "{scene:?}");
         }
-        let with = |word| all.iter().filter(|scene| scene.tables.contains(word)).count();
-        for (word, what) in [("spiral_m", "clothoids"), ("left\" }", "turns to the left")] {
+        let has = |scene: &Scene, word| scene.keys.iter().any(|key| key.to_string().contains(word));
+        let with = |word| all.iter().filter(|scene| has(scene, word)).count();
+        for (word, what) in [("spiral_m", "clothoids"), ("\"left\"", "turns to the left")] {
             assert!((160..240).contains(&with(word)), "{} with {what}", with(word));
         }
     }

@@ -1,6 +1,6 @@
 //! The draws of the kinds. Ranges are chosen: what public roads have, not what is mastered.
 
-use std::fmt::Write;
+use scenario::{Setting, table};
 
 use crate::scene::{Actor, CAR_LENGTH_M, Draws, LANE_M, LateralChange, Scene, SpeedChange};
 
@@ -238,7 +238,7 @@ pub fn half_blind(draws: &mut Draws) -> Scene {
         let speeds = vec![brakes(SETTLE_S, draws.between(1.0, 3.0))];
         scene.actors.push(Actor { speeds, ..settled(speed_mps) });
     }
-    scene.tables = format!("[perception.radar]\ndropout_probability = {dropout}\n");
+    scene.keys.push(Setting::new("perception.radar.dropout_probability", dropout));
     scene
 }
 
@@ -249,7 +249,7 @@ pub fn false_detections(draws: &mut Draws) -> Scene {
     let mut scene = Scene::new(speed_mps, speed_mps + 2.0, 30.0);
     let gap_m = draws.between(1.0, 2.5) * speed_mps + 5.0;
     scene.actors.push(Actor::car("lead", gap_m, speed_mps));
-    scene.tables = format!("[perception.radar.detections]\nfalse_alarms_per_scan = {alarms}\n");
+    scene.keys.push(Setting::new("perception.radar.detections.false_alarms_per_scan", alarms));
     scene
 }
 
@@ -265,25 +265,20 @@ pub fn lost_tracks(draws: &mut Draws) -> Scene {
     let first_s = brakes_s + draws.between(0.5, 2.0);
     let again = if draws.chance(0.3) { 4 } else { 1 };
     let lost_s = draws.between(1.0, 3.0);
-    for number in 0..again {
-        write!(
-            scene.tables,
-            "[[faults]]\nkind = \"drop\"\ntopic = \"radar/tracks\"\nat_s = {}\nfor_s = {lost_s}\n",
-            first_s + f64::from(number) * 4.0
-        )
-        .expect("a string takes all");
-    }
+    let lost = |number: i32| {
+        let at_s = first_s + f64::from(number) * 4.0;
+        table! { kind: "drop", topic: "radar/tracks", at_s: at_s, for_s: lost_s }
+    };
+    scene.keys.push(Setting::new("faults", (0..again).map(lost).collect::<Vec<_>>()));
     scene
 }
 
 /// A lead that brakes while the controller's clock is ahead by 0.1 to 2 ms.
 pub fn clock_ahead(draws: &mut Draws) -> Scene {
     let mut scene = braking_lead(draws);
-    scene.tables = format!(
-        "[[faults]]\nkind = \"clock-step\"\nservice = \"controller\"\nat_s = {}\namount = {}\n",
-        SETTLE_S - 2.0,
-        draws.between(1e-4, 2e-3)
-    );
+    let (at_s, amount) = (SETTLE_S - 2.0, draws.between(1e-4, 2e-3));
+    let step = table! { kind: "clock-step", service: "controller", at_s: at_s, amount: amount };
+    scene.keys.push(Setting::new("faults", vec![step]));
     scene
 }
 

@@ -8,7 +8,7 @@ mod oracle;
 use controller::laws;
 use frame::batch::Done;
 use report::results::{count, number, word};
-use scenario::Scenario;
+use scenario::{Scenario, Setting, table};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use supervise::Error;
@@ -17,7 +17,7 @@ use supervise::report::Outcome;
 use crate::curves::scenes::queue;
 use crate::figures::{Figure, Group, figures};
 use crate::population::{Drive, DriveOptions, Finding, Planned, Population};
-use crate::scene::{CAR_LENGTH_M, Draws, ENGINE, Scene};
+use crate::scene::{CAR_LENGTH_M, Draws, Scene};
 use oracle::{Brakes, Oracle};
 
 /// Selects the draws; each kind has the stream of its place behind it.
@@ -57,7 +57,7 @@ fn scene(kind: &str, number: usize) -> Scene {
     let place = KINDS.iter().position(|(name, _)| *name == kind).unwrap_or_default();
     let mut draws = Draws::of(number as u64, number as u128, STREAM + place as u128);
     let mut scene = KINDS[place].1(&mut draws);
-    scene.plant = format!("length_m = {CAR_LENGTH_M}\n{ENGINE}");
+    scene.plant.extend(table! { length_m: CAR_LENGTH_M });
     scene
 }
 
@@ -107,9 +107,9 @@ impl Population for Everyday {
     fn scenario(&self, planned: &Planned, options: &DriveOptions) -> Result<Scenario, Error> {
         let Planned { number, law, keys } = planned;
         let mut scene = scene(&keys[0], *number);
-        scene.tables += &format!("[aebs]\nenabled = {}\n", keys[1] == BRAKED);
+        scene.keys.push(Setting::new("aebs.enabled", keys[1] == BRAKED));
         scene.law.clone_from(law);
-        options.parse("scene", &scene.text(Self::NAME, *number as u64))
+        options.scenario(&scene.settings(Self::NAME, *number as u64))
     }
 
     fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Facts {
@@ -282,8 +282,8 @@ mod tests {
             scene.actors.push(Actor { lateral_m, ..car });
         }
         let false_targets = |seed| {
-            let text = scene.text("abreast", seed);
-            let scenario = DriveOptions::default().parse("scene", &text).expect("a scenario");
+            let settings = scene.settings("abreast", seed);
+            let scenario = DriveOptions::default().scenario(&settings).expect("a scenario");
             drive(&scenario).1.perception.map_or(0, |perception| perception.false_targets)
         };
         assert!((1..5).map(false_targets).sum::<u64>() < 4, "not one in each drive");

@@ -6,6 +6,7 @@
 use crate::everyday::{self, Kind};
 use crate::scene::{Actor, Draws, Scene, SpeedChange, fixed};
 use crate::signals;
+use scenario::{Setting, Table, table};
 
 /// Laws that drive a car without signals.
 const LAWS: [&str; 4] = ["acc-mpc", "cacc-mpc", "six-mode", "quadratic-bounded"];
@@ -30,7 +31,7 @@ const KINDS: [Kind; 10] = [
 fn kinds() -> impl Iterator<Item = Kind> {
     let draws = || Draws::of(0, 0, 0);
     let everyday = everyday::KINDS.into_iter();
-    KINDS.into_iter().chain(everyday.filter(move |(_, draw)| draw(&mut draws()).tables.is_empty()))
+    KINDS.into_iter().chain(everyday.filter(move |(_, draw)| draw(&mut draws()).keys.is_empty()))
 }
 
 pub fn kind(number: usize) -> &'static str {
@@ -41,8 +42,8 @@ fn kind_of(number: usize) -> Kind {
     kinds().nth(number % kinds().count()).expect("below the number of kinds")
 }
 
-/// Drive `number`, as a scenario file.
-pub fn text(number: usize) -> String {
+/// Drive `number`, as settings of a scenario.
+pub fn settings(number: usize) -> Vec<Setting> {
     let (kind, draw) = kind_of(number);
     let mut draws = Draws::new(number as u64, STREAM);
     let mut scene = draw(&mut draws);
@@ -50,7 +51,7 @@ pub fn text(number: usize) -> String {
         let Scene { duration_s, speed_mps, set_mps, actors, .. } = scene;
         scene = Scene { actors, ..car(&mut draws, duration_s, speed_mps, set_mps) };
     }
-    scene.text(&format!("{kind}-{number}"), draws.number + 1)
+    scene.settings(&format!("{kind}-{number}"), draws.number + 1)
 }
 
 /// A car with a random law, radar and roadside.
@@ -58,32 +59,34 @@ fn car(draws: &mut Draws, duration_s: f64, speed_mps: f64, set_mps: f64) -> Scen
     let law = draws.one(&LAWS);
     let latency_ms = draws.one(&[0, 50, 100]);
     let dropout = if draws.chance(0.5) { draws.between(0.0, 0.1) } else { 0.0 };
-    let radar = format!(
-        "[perception.radar]\nlatency_ms = {latency_ms}\ndropout_probability = {dropout:.3}\n\
-         [perception.radar.detections]\nstanding_objects_per_km = {:.1}\nguard_rail_share = {:.2}\n\
-         false_alarms_per_scan = {:.2}\n",
-        draws.between(0.0, 120.0),
-        draws.between(0.0, 1.0),
-        draws.between(0.0, 3.0),
-    );
+    let detections = table! {
+        standing_objects_per_km: fixed(draws.between(0.0, 120.0), 1),
+        guard_rail_share: fixed(draws.between(0.0, 1.0), 2),
+        false_alarms_per_scan: fixed(draws.between(0.0, 3.0), 2),
+    };
+    let dropout = fixed(dropout, 3);
+    let radar = table! {
+        latency_ms: latency_ms, dropout_probability: dropout, detections: detections,
+    };
+    let radar = Setting::new("perception.radar", radar);
     car_with(draws, (duration_s, speed_mps, set_mps), law, radar)
 }
 
-/// A car with this law and these tables.
+/// A car with this law and this radar.
 fn car_with(
     draws: &mut Draws,
     (duration_s, speed_mps, set_mps): (f64, f64, f64),
     law: &str,
-    tables: String,
+    radar: Setting,
 ) -> Scene {
-    let plant = format!(
-        "powertrain = {{ mass_kg = {:.0}, max_power_kw = {:.0} }}\nactuator_time_constant_s = {:.2}\n",
-        draws.between(1_000.0, 2_500.0),
-        draws.between(60.0, 200.0),
-        draws.between(0.2, 0.6),
-    );
+    let engine = table! {
+        mass_kg: fixed(draws.between(1_000.0, 2_500.0), 0),
+        max_power_kw: fixed(draws.between(60.0, 200.0), 0),
+    };
+    let lag_s = fixed(draws.between(0.2, 0.6), 2);
+    let plant = table! { powertrain: engine, actuator_time_constant_s: lag_s };
     let scene = Scene::new(fixed(speed_mps, 2), fixed(set_mps, 2), fixed(duration_s, 1));
-    Scene { law: law.to_owned(), plant, tables, ..scene }
+    Scene { law: law.to_owned(), plant, keys: vec![radar], ..scene }
 }
 
 /// A lead at a settled gap.
@@ -93,16 +96,18 @@ fn lead(draws: &mut Draws, speed_mps: f64) -> Actor {
     Actor { length_m, ..Actor::car("lead", gap_m, speed_mps).fixed() }
 }
 
-/// Waves of a lead around `speed_mps`, as a line of its table.
-fn waves(draws: &mut Draws, speed_mps: f64) -> String {
+/// Waves of a lead around `speed_mps`, as keys of its table.
+fn waves(draws: &mut Draws, speed_mps: f64) -> Table {
     let period_s = draws.between(6.0, 40.0);
     // Half of the speed's swing is amplitude x period / pi: the lead does not stop.
     let most_mps2 = (2.5 * speed_mps / period_s).min(2.5);
     let amplitude_mps2 = draws.between(0.1 * most_mps2, most_mps2);
-    format!(
-        "profile.sine = {{ amplitude_mps2 = {amplitude_mps2:.3}, period_s = {period_s:.2}, start_s = {:.1} }}\n",
-        draws.between(0.0, 10.0)
-    )
+    let sine = table! {
+        amplitude_mps2: fixed(amplitude_mps2, 3),
+        period_s: fixed(period_s, 2),
+        start_s: fixed(draws.between(0.0, 10.0), 1),
+    };
+    table! { profile: table! { sine: sine } }
 }
 
 /// A car behind a lead in waves.
@@ -124,22 +129,22 @@ fn steady_lead(draws: &mut Draws) -> Scene {
 fn ideal_radar(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(5.0, 30.0);
     let law = draws.one(&LAWS);
-    let radar = "[perception]\nideal = true\n".to_owned();
+    let radar = Setting::new("perception.ideal", true);
     let scene = car_with(draws, (60.0, speed_mps, speed_mps + 3.0), law, radar);
-    let keys = if draws.chance(0.5) { String::new() } else { waves(draws, speed_mps) };
+    let keys = if draws.chance(0.5) { Table::new() } else { waves(draws, speed_mps) };
     scene.with(Actor { keys, ..lead(draws, speed_mps) })
 }
 
 fn object_list(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(5.0, 30.0);
     let law = draws.one(&LAWS);
-    let radar = format!(
-        "[perception.radar]\nmodel = \"object-list\"\nlatency_ms = {}\nrange_sigma_m = {:.2}\n\
-         range_rate_sigma_mps = {:.3}\n",
-        draws.one(&[0, 50, 100]),
-        draws.between(0.05, 0.8),
-        draws.between(0.03, 0.3),
-    );
+    let radar = table! {
+        model: "object-list",
+        latency_ms: draws.one(&[0, 50, 100]),
+        range_sigma_m: fixed(draws.between(0.05, 0.8), 2),
+        range_rate_sigma_mps: fixed(draws.between(0.03, 0.3), 3),
+    };
+    let radar = Setting::new("perception.radar", radar);
     let scene = car_with(draws, (60.0, speed_mps, speed_mps + 3.0), law, radar);
     behind_waves(draws, scene, speed_mps)
 }
@@ -153,15 +158,15 @@ fn wavy_lead(draws: &mut Draws) -> Scene {
 fn clutter(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(5.0, 30.0);
     let law = draws.one(&LAWS);
-    let radar = format!(
-        "[perception.radar]\nlatency_ms = 50\ndropout_probability = {:.3}\n\
-         [perception.radar.detections]\nfalse_alarms_per_scan = {:.1}\nsnr_at_100_m_db = {:.1}\n\
-         standing_objects_per_km = {:.0}\nguard_rail_share = 1\n",
-        draws.between(0.0, 0.3),
-        draws.between(1.0, 10.0),
-        draws.between(8.0, 15.0),
-        draws.between(50.0, 300.0),
-    );
+    let dropout = fixed(draws.between(0.0, 0.3), 3);
+    let detections = table! {
+        false_alarms_per_scan: fixed(draws.between(1.0, 10.0), 1),
+        snr_at_100_m_db: fixed(draws.between(8.0, 15.0), 1),
+        standing_objects_per_km: fixed(draws.between(50.0, 300.0), 0),
+        guard_rail_share: 1,
+    };
+    let radar = table! { latency_ms: 50, dropout_probability: dropout, detections: detections };
+    let radar = Setting::new("perception.radar", radar);
     let scene = car_with(draws, (60.0, speed_mps, speed_mps + 3.0), law, radar);
     behind_waves(draws, scene, speed_mps)
 }
@@ -173,19 +178,21 @@ fn signals(draws: &mut Draws) -> Scene {
 
 fn lossy_air(draws: &mut Draws) -> Scene {
     let mut scene = signals::scene(draws.bits().into(), "cacc-mpc");
-    scene.tables += &format!(
-        "[v2x.air]\nloss_probability = {:.2}\ndelay_ms = {:.0}\njitter_ms = {:.0}\n\
-         duplicate_probability = {:.2}\nreorder_probability = {:.2}\nreorder_ms = {:.0}\n\
-         [v2x.obu]\nclock_offset_ms = {:.0}\n",
-        draws.between(0.0, 0.6),
-        draws.between(0.0, 300.0),
-        draws.between(0.0, 200.0),
-        draws.between(0.0, 0.3),
-        draws.between(0.0, 0.3),
-        draws.between(0.0, 500.0),
-        draws.between(-150.0, 150.0),
-    );
+    let air = table! {
+        loss_probability: fixed(draws.between(0.0, 0.6), 2),
+        delay_ms: whole(draws, 0.0, 300.0),
+        jitter_ms: whole(draws, 0.0, 200.0),
+        duplicate_probability: fixed(draws.between(0.0, 0.3), 2),
+        reorder_probability: fixed(draws.between(0.0, 0.3), 2),
+        reorder_ms: whole(draws, 0.0, 500.0),
+    };
+    scene.keys.push(Setting::new("v2x.air", air));
+    scene.keys.push(Setting::new("v2x.obu.clock_offset_ms", whole(draws, -150.0, 150.0)));
     scene
+}
+
+fn whole(draws: &mut Draws, low: f64, high: f64) -> i64 {
+    draws.between(low, high).round() as i64
 }
 
 fn truck(draws: &mut Draws) -> Scene {
@@ -194,20 +201,28 @@ fn truck(draws: &mut Draws) -> Scene {
     let filter = draws.one(&["singer", "interacting-models"]);
     let mut scene = Scene::new(fixed(speed_mps, 2), fixed(speed_mps + 1.0, 2), 100.0);
     scene.law = "predictive".to_owned();
-    scene.plant = format!(
-        "vehicle = \"{}\"\nperiod_ms = 20\nintegration_step_ms = 20\nlength_m = 16.5\n\
-         actuator_time_constant_s = 0.4\nmin_acceleration_mps2 = -6.5\n",
-        draws.one(&["jh6-49t", "jh6-25t"]),
-    );
-    scene.tables = format!(
-        "[road.generated]\nseed = {}\nlength_km = 8\ngrade_sigma_percent = {:.2}\n\
-         [perception]\nperiod_ms = 100\nradar = {{ model = \"{model}\", max_range_m = 200 }}\n\
-         tracker = {{ filter = \"{filter}\" }}\n\
-         [aebs]\ndead_time_ms = 300\njerk_mps3 = 10\ndeceleration_mps2 = 5.5\nmargin_m = 3\n\
-         [v2x]\nperiod_ms = 500\n",
-        draws.number + 1,
-        draws.between(0.3, 1.5),
-    );
+    scene.plant = table! {
+        vehicle: draws.one(&["jh6-49t", "jh6-25t"]),
+        period_ms: 20,
+        integration_step_ms: 20,
+        length_m: 16.5,
+        actuator_time_constant_s: 0.4,
+        min_acceleration_mps2: -6.5,
+    };
+    let grades = fixed(draws.between(0.3, 1.5), 2);
+    let road = table! { seed: draws.number as i64 + 1, length_km: 8, grade_sigma_percent: grades };
+    let perception = table! {
+        period_ms: 100,
+        radar: table! { model: model, max_range_m: 200 },
+        tracker: table! { filter: filter },
+    };
+    let aebs = table! { dead_time_ms: 300, jerk_mps3: 10, deceleration_mps2: 5.5, margin_m: 3 };
+    scene.keys = vec![
+        Setting::new("road.generated", road),
+        Setting::new("perception", perception),
+        Setting::new("aebs", aebs),
+        Setting::new("v2x.period_ms", 500),
+    ];
     let slows = SpeedChange {
         from_s: fixed(draws.between(10.0, 30.0), 1),
         to_mps: fixed(speed_mps * draws.between(0.4, 1.0), 1),
@@ -221,7 +236,7 @@ fn cycle(draws: &mut Draws) -> Scene {
     let cycle = draws.one(&["udds", "hwfet", "us06", "wltc-3b"]);
     let mut scene = car(draws, 300.0, 0.0, 38.0);
     // Its speeds are those of the cycle from the start on.
-    scene.tables +=
-        &format!("[[actors]]\nname = \"lead\"\ngap_m = 8.00\nprofile.cycle = \"{cycle}\"\n");
+    let profile = table! { cycle: cycle };
+    scene.others.push(table! { name: "lead", gap_m: 8, profile: profile });
     scene
 }

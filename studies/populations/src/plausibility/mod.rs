@@ -146,7 +146,7 @@ impl Population for Plausibility {
     fn scenario(&self, planned: &Planned, options: &DriveOptions) -> Result<Scenario, Error> {
         let Planned { number, law, keys } = planned;
         let open = |options: &DriveOptions| match Sender::find(keys) {
-            None => options.parse("scene", &drives::text(*number)),
+            None => options.scenario(&drives::settings(*number)),
             Some(sender) => {
                 let at_s = sender.begins_s(*number);
                 let own = [
@@ -389,7 +389,7 @@ mod tests {
 
     #[test]
     fn the_number_makes_the_drive() {
-        assert_eq!(drives::text(4), drives::text(4));
-        assert_ne!(drives::text(4), drives::text(4 + 26));
+        assert_eq!(drives::settings(4), drives::settings(4));
+        assert_ne!(drives::settings(4), drives::settings(4 + 26));
     }
 }

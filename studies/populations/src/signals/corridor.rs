@@ -16,7 +16,7 @@
 
 use super::lead::{self, Signal};
 use crate::scene::{Draws, Scene, fixed};
-use std::fmt::Write;
+use scenario::{Setting, Table, table};
 
 /// Selects the draws of this study.
 const STREAM: u64 = 0x5e1e_c7ed_c0aa_1d05;
@@ -90,28 +90,28 @@ impl Corridor {
         let limit_mps = fixed(self.limit_mps, 3);
         let mut scene = Scene::new(fixed(self.speed_mps, 3), limit_mps, self.duration_s());
         scene.law = law.to_owned();
-        scene.keys = format!("speed_limit_mps = {limit_mps}\n");
-        let tables = &mut scene.tables;
-        *tables = format!(
-            "[perception.radar]\ndropout_probability = 0.02\nlatency_ms = 50\n\
-             [v2x]\nradio = \"frames\"\nrange_m = {:.1}\n",
-            self.range_m(has_eyes),
-        );
-        for (signal, id) in self.signals.iter().zip(1..) {
-            let [green_s, yellow_s, red_s] = signal.lengths_s;
-            write!(
-                tables,
-                "[[v2x.signals]]\nintersection_id = {id}\nstop_line_m = {:.2}\noffset_s = {:.2}\n\
-                 program = [{{ phase = \"green\", duration_s = {green_s:.2} }}, \
-                 {{ phase = \"yellow\", duration_s = {yellow_s:.2} }}, \
-                 {{ phase = \"red\", duration_s = {red_s:.2} }}]\n",
-                signal.line_m, signal.offset_s
-            )
-            .expect("a string takes all");
-        }
-        if let Some(lead) = &self.lead {
-            lead.write(tables);
-        }
+        let signal = |(signal, id): (&Signal, i64)| {
+            let phase = |(phase, length_s): (&str, f64)| {
+                table! { phase: phase, duration_s: fixed(length_s, 2) }
+            };
+            let phases = ["green", "yellow", "red"].into_iter().zip(signal.lengths_s);
+            table! {
+                intersection_id: id,
+                stop_line_m: fixed(signal.line_m, 2),
+                offset_s: fixed(signal.offset_s, 2),
+                program: phases.map(phase).collect::<Vec<_>>(),
+            }
+        };
+        let signals: Vec<Table> = self.signals.iter().zip(1..).map(signal).collect();
+        let range_m = fixed(self.range_m(has_eyes), 1);
+        let v2x = table! { radio: "frames", range_m: range_m, signals: signals };
+        let radar = table! { dropout_probability: 0.02, latency_ms: 50 };
+        scene.keys = vec![
+            Setting::new("speed_limit_mps", limit_mps),
+            Setting::new("perception.radar", radar),
+            Setting::new("v2x", v2x),
+        ];
+        scene.others.extend(self.lead.as_ref().map(lead::Lead::table));
         scene
     }
 }

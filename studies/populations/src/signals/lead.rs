@@ -1,10 +1,11 @@
 //! The lead of a corridor: a driver with free road ahead. He obeys the signals by the rules and values of
 //! `acc-signal-stop`.
 
+use crate::scene::fixed;
 use controller::following::driver::{Driver, Obstacle};
 use controller::laws::signal_stop::SignalStop;
+use scenario::{Table, Value, table};
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 const STEP_S: f64 = 0.1;
 /// Steps between two points of its table of speeds.
@@ -115,16 +116,14 @@ impl Lead {
         self.places[end - 1] + since_s * (v + 0.5 * slope * since_s)
     }
 
-    /// Writes it into a scenario file.
-    pub fn write(&self, text: &mut String) {
-        write!(text, "[[actors]]\nname = \"lead\"\ngap_m = {:.2}\n", self.gap_m)
-            .expect("a string takes all");
-        if let Some(leaves_s) = self.leaves_at_s {
-            writeln!(text, "leaves_at_s = {leaves_s:.1}").expect("a string takes all");
-        }
-        let points: Vec<String> =
-            self.speeds.iter().map(|(time_s, v)| format!("[{time_s:.1}, {v:.3}]")).collect();
-        writeln!(text, "profile.speeds = [{}]", points.join(", ")).expect("a string takes all");
+    /// Its table in a scenario.
+    pub fn table(&self) -> Table {
+        let point = |&(time_s, v): &(f64, f64)| Value::from(vec![fixed(time_s, 1), fixed(v, 3)]);
+        let points: Vec<Value> = self.speeds.iter().map(point).collect();
+        let profile = table! { speeds: points };
+        let mut table = table! { name: "lead", gap_m: fixed(self.gap_m, 2), profile: profile };
+        table.extend(self.leaves_at_s.map(|s| ("leaves_at_s".to_owned(), fixed(s, 1).into())));
+        table
     }
 }
 

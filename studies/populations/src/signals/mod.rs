@@ -12,7 +12,7 @@ mod lead;
 use frame::batch::Done;
 use report::figures::{MAX_ABS_JERK_MPS3, RMS_JERK_MPS3, STOPS, WHEEL_ENERGY_KWH_PER_100KM};
 use report::results::{Column, count, number, word};
-use scenario::Scenario;
+use scenario::{Scenario, Setting};
 use serde_json::{Value, json};
 use supervise::Error;
 use supervise::report::Outcome;
@@ -33,19 +33,19 @@ pub fn scene(number: u64, law: &str) -> Scene {
 }
 
 /// Wrong countdowns, from the first message on: name, and a key of `[v2x.unit]`. Each corridor has one, in turn.
-const ERRORS: [(&str, &str); 12] = [
-    ("20 s early", "countdown_jump_s = -20"),
-    ("10 s early", "countdown_jump_s = -10"),
-    ("4 s early", "countdown_jump_s = -4"),
-    ("1 s early", "countdown_jump_s = -1"),
-    ("1 s late", "countdown_jump_s = 1"),
-    ("4 s late", "countdown_jump_s = 4"),
-    ("10 s late", "countdown_jump_s = 10"),
-    ("20 s late", "countdown_jump_s = 20"),
-    ("jitter of 2 s", "countdown_jitter_s = 2"),
-    ("stuck", "countdown_slide = 1"),
-    ("extended by 4 s", "countdown_extends_s = 4"),
-    ("no next phase", "countdown_lacks_next = true"),
+const ERRORS: [(&str, &str, f64); 12] = [
+    ("20 s early", "countdown_jump_s", -20.0),
+    ("10 s early", "countdown_jump_s", -10.0),
+    ("4 s early", "countdown_jump_s", -4.0),
+    ("1 s early", "countdown_jump_s", -1.0),
+    ("1 s late", "countdown_jump_s", 1.0),
+    ("4 s late", "countdown_jump_s", 4.0),
+    ("10 s late", "countdown_jump_s", 10.0),
+    ("20 s late", "countdown_jump_s", 20.0),
+    ("jitter of 2 s", "countdown_jitter_s", 2.0),
+    ("stuck", "countdown_slide", 1.0),
+    ("extended by 4 s", "countdown_extends_s", 4.0),
+    ("no next phase", "countdown_lacks_next", 1.0),
 ];
 
 /// Name of the error in corridor `number`.
@@ -53,12 +53,15 @@ fn error_of(number: usize) -> &'static str {
     ERRORS[number % ERRORS.len()].0
 }
 
-/// The table of an error, from `from_s` on; empty for right countdowns.
-fn wrong(error: &str, from_s: f64) -> String {
-    let found = ERRORS.iter().find(|(name, _)| *name == error);
-    let table =
-        |(_, key): &(&str, &str)| format!("[v2x.unit]\ncountdown_wrong_from_s = {from_s}\n{key}\n");
-    found.map_or_else(String::new, table)
+/// The keys of an error, from `from_s` on; none for right countdowns.
+fn wrong(error: &str, from_s: f64) -> Vec<Setting> {
+    let Some((_, name, value)) = ERRORS.iter().find(|(name, ..)| *name == error) else {
+        return Vec::new();
+    };
+    let key = |key: &str| format!("v2x.unit.{key}");
+    let value =
+        if *name == "countdown_lacks_next" { true.into() } else { scenario::Value::from(*value) };
+    vec![Setting::new(&key("countdown_wrong_from_s"), from_s), Setting::new(&key(name), value)]
 }
 
 /// Corridors with the laws that drive them.
@@ -93,8 +96,8 @@ impl Population for Signals {
     fn scenario(&self, planned: &Planned, options: &DriveOptions) -> Result<Scenario, Error> {
         let number = planned.number as u64;
         let mut scene = scene(number, &planned.law);
-        scene.tables += &wrong(&planned.keys[0], 0.0);
-        options.parse("scene", &scene.text(&format!("signals-{number}"), number))
+        scene.keys.extend(wrong(&planned.keys[0], 0.0));
+        options.scenario(&scene.settings(&format!("signals-{number}"), number))
     }
 
     fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Facts {
@@ -125,7 +128,7 @@ impl Population for Signals {
                     all.mean(|d| trip_s(d, RIVAL).filter(|_| is_compared(all, d))),
                 );
             number("wrong_trip_ratio", "trip with wrong countdowns, ratio", "", 3, WRONG).less() =>
-                |all| json!(ERRORS.iter().filter_map(|(error, _)| wrong_ratio(all, error)).reduce(f64::max));
+                |all| json!(ERRORS.iter().filter_map(|(error, ..)| wrong_ratio(all, error)).reduce(f64::max));
         }
     }
 
@@ -338,17 +341,15 @@ mod tests {
     }
 
     /// Time at the last line of the built-in `corridor`, s, and the time on the level of doubted signals.
-    fn corridor_drive(law: &str, keys: &str) -> (f64, f64) {
-        let builtin = scenario::builtin::find("corridor").expect("it is built in").text;
-        let text = format!("{}\n{keys}", builtin.replace(OURS, law));
-        let check = &controller::laws::check;
-        let scenario = Scenario::parse_with("corridor", &text, &Default::default(), check);
-        let scenario = scenario.expect("the keys are right");
+    fn corridor_drive(law: &str, keys: Vec<Setting>) -> (f64, f64) {
+        let controller = Some(law.to_owned());
+        let options = supervise::ScenarioOptions { controller, set: keys, ..Default::default() };
+        let scenario = supervise::open("corridor", &options).expect("the keys are right");
         let group =
             supervise::GroupOptions { programs: Vec::new(), ready_timeout: 1.0, processes: false };
         let done = frame::batch::lockstep(&scenario, &group, &|| true);
         let summary = done.expect("it runs").summary;
-        assert_eq!(summary.outcome, Outcome::Completed, "{keys}");
+        assert_eq!(summary.outcome, Outcome::Completed, "{law}");
         let doubted_s = summary.rungs["controller"].time_s.get("signals-doubted");
         let trip_s = summary.control.trip.trip_time_s;
         (trip_s.unwrap_or(f64::INFINITY), doubted_s.copied().unwrap_or(0.0))
@@ -356,12 +357,12 @@ mod tests {
 
     #[test]
     fn no_wrong_countdown_costs_more_than_having_none() {
-        let (by_eye_s, _) = corridor_drive(RIVAL, "");
-        let (right_s, doubted_s) = corridor_drive(OURS, "");
+        let (by_eye_s, _) = corridor_drive(RIVAL, Vec::new());
+        let (right_s, doubted_s) = corridor_drive(OURS, Vec::new());
         assert!(right_s <= by_eye_s && doubted_s == 0.0, "{right_s} {by_eye_s}, {doubted_s}");
         let late = ["4 s early", "20 s early"].map(|error| (error, 3.0));
-        for (error, from_s) in ERRORS.iter().map(|(error, _)| (*error, 0.0)).chain(late) {
-            let (trip_s, doubted_s) = corridor_drive(OURS, &wrong(error, from_s));
+        for (error, from_s) in ERRORS.iter().map(|(error, ..)| (*error, 0.0)).chain(late) {
+            let (trip_s, doubted_s) = corridor_drive(OURS, wrong(error, from_s));
             assert!(trip_s <= 1.03 * by_eye_s, "{error}: {trip_s} s, by eye {by_eye_s} s");
             // An end that is off by less than what clocks and messages differ is not found.
             let is_hidden = ["no next phase", "1 s late", "1 s early"].contains(&error);

@@ -13,7 +13,7 @@
 //! it. The neighbour in the outer lane keeps its speed: an ego that follows it does not slow down.
 
 use frame::DriveOptions;
-use scenario::Scenario;
+use scenario::{Scenario, Setting, Table, table};
 use supervise::Error;
 
 use super::limits::{Class, STEADY_S};
@@ -82,40 +82,58 @@ impl Test {
 
     pub fn scenario(self, law: &str, drives: &DriveOptions, seed: u32) -> Result<Scenario, Error> {
         let (duration_s, set_mps, initial_mps, keys) = match self {
-            Self::Acquisition => (60.0, APPROACH_MPS, APPROACH_MPS, ACQUISITION.to_owned()),
-            Self::Discrimination => {
-                (90.0, APPROACH_MPS, SIDE_BY_SIDE_MPS, DISCRIMINATION.to_owned())
+            Self::Acquisition => {
+                let target = actor("target", 250.0, 22.0, table! {});
+                let keys = vec![Setting::new("actors", vec![target])];
+                (60.0, APPROACH_MPS, APPROACH_MPS, keys)
             }
-            Self::StopAndGo => (70.0, 25.0, 20.0, STOP_AND_GO.to_owned()),
+            Self::Discrimination => {
+                let lead = steps(&[(20.0, 27.0, 0.5)]);
+                let lead = actor("lead", 50.0, SIDE_BY_SIDE_MPS, lead);
+                let beside = table! { lateral_offset_m: LANE_M };
+                let neighbour = actor("neighbour", 50.0, SIDE_BY_SIDE_MPS, beside);
+                let keys = vec![Setting::new("actors", vec![lead, neighbour])];
+                (90.0, APPROACH_MPS, SIDE_BY_SIDE_MPS, keys)
+            }
+            Self::StopAndGo => {
+                let goes = steps(&[(BRAKES_AT_S, 0.0, 2.5), (MOVES_OFF_AT_S, 10.0, 1.0)]);
+                let lead = actor("lead", 40.0, 20.0, goes);
+                (70.0, 25.0, 20.0, vec![Setting::new("actors", vec![lead])])
+            }
             Self::Curve(curve) => {
                 let speed_mps = curve.speed_mps();
                 let duration_s = curve.slows_at_s() + ANSWERS_S;
                 (duration_s, speed_mps + SET_ABOVE_MPS, speed_mps, curve.keys())
             }
         };
-        let text = format!(
-            "schema_version = 1\nname = \"iso15622\"\nduration_s = {duration_s}\nseed = {seed}\n\
-             set_speed_mps = {set_mps}\n{keys}\n\
-             [plant]\ninitial_speed_mps = {initial_mps}\n\
-             powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
-             [aebs]\nenabled = false\n\
-             [controller]\nname = \"{law}\"\n"
-        );
-        drives.parse("a test of ISO 15622", &text)
+        let engine = table! { mass_kg: 1600, max_power_kw: 110 };
+        let own = [
+            Setting::new("name", "iso15622"),
+            Setting::new("duration_s", duration_s),
+            Setting::new("seed", seed),
+            Setting::new("set_speed_mps", set_mps),
+            Setting::new("plant", table! { initial_speed_mps: initial_mps, powertrain: engine }),
+            Setting::new("aebs.enabled", false),
+            Setting::new("controller.name", law),
+        ];
+        drives.scenario(&[&own[..], &keys].concat())
     }
 }
 
-const ACQUISITION: &str = "actors = [{ name = \"target\", gap_m = 250, initial_speed_mps = 22 }]";
+/// A vehicle `gap_m` ahead of the ego, with further keys.
+fn actor(name: &str, gap_m: f64, speed_mps: f64, keys: Table) -> Table {
+    let mut actor = table! { name: name, gap_m: gap_m, initial_speed_mps: speed_mps };
+    actor.extend(keys);
+    actor
+}
 
-const DISCRIMINATION: &str = "actors = [\
-    { name = \"lead\", gap_m = 50, initial_speed_mps = 24, \
-      profile.steps = [{ time_s = 20, speed_mps = 27, acceleration_mps2 = 0.5 }] }, \
-    { name = \"neighbour\", gap_m = 50, initial_speed_mps = 24, lateral_offset_m = 3.5 }]";
-
-const STOP_AND_GO: &str = "actors = [\
-    { name = \"lead\", gap_m = 40, initial_speed_mps = 20, \
-      profile.steps = [{ time_s = 25, speed_mps = 0, acceleration_mps2 = 2.5 }, \
-                       { time_s = 50, speed_mps = 10, acceleration_mps2 = 1 }] }]";
+/// The profile of changes of speed: time, s, speed, m/s, and acceleration, m/s².
+fn steps(steps: &[(f64, f64, f64)]) -> Table {
+    let step = |&(time_s, speed_mps, acceleration_mps2): &(f64, f64, f64)| {
+        table! { time_s: time_s, speed_mps: speed_mps, acceleration_mps2: acceleration_mps2 }
+    };
+    table! { profile: table! { steps: steps.iter().map(step).collect::<Vec<_>>() } }
+}
 
 impl Curve {
     /// Speed of target and neighbour, m/s.
@@ -141,23 +159,25 @@ impl Curve {
         self.arc_begins_m() / self.speed_mps() + ON_ARC_S
     }
 
-    /// The road and the vehicles, as keys of a scenario.
-    fn keys(self) -> String {
+    /// The road and the vehicles.
+    fn keys(self) -> Vec<Setting> {
         let (speed_mps, gap_m, radius_m) = (self.speed_mps(), self.gap_m(), self.class.radius_m);
         let (line_m, arc_m, slows_at_s) = (SETTLES_S * speed_mps, self.arc_m(), self.slows_at_s());
         let (loses_mps, in_s) = LOSES;
         let (slower_mps, loses_mps2) = (speed_mps - loses_mps, loses_mps / in_s);
         let (turn, beside_m) = if self.is_left { ("left", -LANE_M) } else { ("right", LANE_M) };
-        format!(
-            "road.plan.pieces = [{{ line_m = {line_m} }}, {{ spiral_m = {CLOTHOID_M} }}, \
-             {{ arc_m = {arc_m}, radius_m = {radius_m}, turn = \"{turn}\" }}, \
-             {{ spiral_m = {CLOTHOID_M} }}, {{ line_m = 500 }}]\n\
-             actors = [{{ name = \"target\", gap_m = {gap_m}, initial_speed_mps = {speed_mps}, \
-             profile.steps = [{{ time_s = {slows_at_s}, speed_mps = {slower_mps}, \
-             acceleration_mps2 = {loses_mps2} }}] }}, \
-             {{ name = \"neighbour\", gap_m = {gap_m}, initial_speed_mps = {speed_mps}, \
-             lateral_offset_m = {beside_m} }}]"
-        )
+        let spiral = || table! { spiral_m: CLOTHOID_M };
+        let arc = table! { arc_m: arc_m, radius_m: radius_m, turn: turn };
+        let line = |line_m: f64| table! { line_m: line_m };
+        let pieces = vec![line(line_m), spiral(), arc, spiral(), line(500.0)];
+        let slows = steps(&[(slows_at_s, slower_mps, loses_mps2)]);
+        let target = actor("target", gap_m, speed_mps, slows);
+        let beside = table! { lateral_offset_m: beside_m };
+        let neighbour = actor("neighbour", gap_m, speed_mps, beside);
+        vec![
+            Setting::new("road.plan.pieces", pieces),
+            Setting::new("actors", vec![target, neighbour]),
+        ]
     }
 }
 

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use frame::{DriveOptions, batch};
-use scenario::Scenario;
+use scenario::{Scenario, Setting, Table, table};
 use supervise::{Error, GroupOptions};
 
 use super::matrix::Case;
@@ -47,8 +47,7 @@ struct Traffic {
     /// Time after which nothing scripted comes any more, s.
     scripted_s: f64,
     duration_s: f64,
-    /// The vehicles, as TOML.
-    actors: String,
+    actors: Vec<Table>,
 }
 
 impl Scenes {
@@ -64,7 +63,7 @@ impl Scenes {
             Case::Following(case) => following(case, gap_m()?),
             Case::CutOut(case) => cut_out(case, gap_m()?),
         };
-        self.parse(&traffic, case.ego_kmh(), law, aebs)
+        self.drive(traffic, case.ego_kmh(), law, aebs)
     }
 
     /// The gap that `law` keeps at `speed_kmh`, m. The first to ask drives; two at once drive the same.
@@ -86,37 +85,45 @@ impl Scenes {
     fn behind_a_lead(&self, law: &str, speed_kmh: u32) -> Result<Scenario, Error> {
         let speed_mps = mps(speed_kmh);
         let gap_m = FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M;
-        let actors = actor("lead", gap_m, &format!("initial_speed_mps = {speed_mps}"));
+        let actors = vec![actor("lead", gap_m, table! { initial_speed_mps: speed_mps })];
         let traffic = Traffic { scripted_s: CLOSES_UP_S, duration_s: CLOSES_UP_S, actors };
-        self.parse(&traffic, speed_kmh, law, false)
+        self.drive(traffic, speed_kmh, law, false)
     }
 
-    fn parse(
+    fn drive(
         &self,
-        traffic: &Traffic,
+        traffic: Traffic,
         speed_kmh: u32,
         law: &str,
         aebs: bool,
     ) -> Result<Scenario, Error> {
         let Traffic { scripted_s, duration_s, actors } = traffic;
-        let (seed, speed_mps) = (self.seed, mps(speed_kmh));
-        let text = format!(
-            "schema_version = 1\nname = \"r157\"\nduration_s = {duration_s}\nseed = {seed}\n\
-             set_speed_mps = {speed_mps}\nactors = [{actors}]\n\
-             [plant]\ninitial_speed_mps = {speed_mps}\n\
-             length_m = {VEHICLE_LENGTH_M}\n\
-             powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
-             [aebs]\nenabled = {aebs}\n\
-             [referee]\nends_when_clear = {{ after_s = {scripted_s}, for_s = {CLEAR_S} }}\n\
-             [controller]\nname = \"{law}\"\n"
-        );
-        self.drives.parse("a case of UN R157", &text)
+        let speed_mps = mps(speed_kmh);
+        let plant = table! {
+            initial_speed_mps: speed_mps,
+            length_m: VEHICLE_LENGTH_M,
+            powertrain: table! { mass_kg: 1600, max_power_kw: 110 },
+        };
+        let ends = table! { after_s: scripted_s, for_s: CLEAR_S };
+        self.drives.scenario(&[
+            Setting::new("name", "r157"),
+            Setting::new("duration_s", duration_s),
+            Setting::new("seed", self.seed as i64),
+            Setting::new("set_speed_mps", speed_mps),
+            Setting::new("actors", actors),
+            Setting::new("plant", plant),
+            Setting::new("aebs.enabled", aebs),
+            Setting::new("referee.ends_when_clear", ends),
+            Setting::new("controller.name", law),
+        ])
     }
 }
 
-/// A vehicle `gap_m` ahead of the ego, with these keys, as TOML.
-fn actor(name: &str, gap_m: f64, keys: &str) -> String {
-    format!("{{ name = \"{name}\", gap_m = {gap_m}, length_m = {VEHICLE_LENGTH_M}, {keys} }}")
+/// A vehicle `gap_m` ahead of the ego, with these keys.
+fn actor(name: &str, gap_m: f64, keys: Table) -> Table {
+    let mut actor = table! { name: name, gap_m: gap_m, length_m: VEHICLE_LENGTH_M };
+    actor.extend(keys);
+    actor
 }
 
 /// The vehicle that comes in. It keeps its speed, so that a motion aside has no part in whether the ego comes nearer.
@@ -132,29 +139,26 @@ fn cut_in(case: &cut_in::Case) -> Traffic {
     let passed_s = (f64::from(case.distance_m) + 2.0 * VEHICLE_LENGTH_M) / closing_mps;
     let overlap_s = if lateral_mps > 0.0 { CLEARANCE_M / lateral_mps } else { passed_s };
     let duration_s = CRUISE_S + rise_s + overlap_s + closing_mps / GENTLE_MPS2 + AFTER_S;
-    let mut keys = format!("initial_speed_mps = {other_mps}, lateral_offset_m = {start_m}");
+    let mut keys = table! { initial_speed_mps: other_mps, lateral_offset_m: start_m };
     if lateral_mps > 0.0 {
         let lasts_s = rise_s + lane_m / lateral_mps;
-        keys += &format!(
-            ", lateral = [{{ time_s = {CRUISE_S}, to_m = 0, duration_s = {lasts_s}, rise_s = {rise_s} }}]"
-        );
+        let comes = table! { time_s: CRUISE_S, to_m: 0, duration_s: lasts_s, rise_s: rise_s };
+        keys.extend(table! { lateral: vec![comes] });
     }
-    let actors = actor("other", gap_m, &keys);
+    let actors = vec![actor("other", gap_m, keys)];
     Traffic { scripted_s: CRUISE_S + rise_s, duration_s, actors }
 }
 
 fn following(case: &following::Case, gap_m: f64) -> Traffic {
     let (speed_mps, deceleration_mps2) = (mps(case.speed_kmh), case.lead_deceleration_mps2());
     let stop_s = speed_mps / deceleration_mps2.min(GENTLE_MPS2);
-    let profile = format!(
-        "initial_speed_mps = {speed_mps}, \
-         profile.piecewise = [{{ time_s = {RUN_IN_S}, acceleration_mps2 = {} }}]",
-        -deceleration_mps2
-    );
+    let brakes = table! { time_s: RUN_IN_S, acceleration_mps2: -deceleration_mps2 };
+    let profile = table! { piecewise: vec![brakes] };
+    let keys = table! { initial_speed_mps: speed_mps, profile: profile };
     Traffic {
         scripted_s: RUN_IN_S + speed_mps / deceleration_mps2,
         duration_s: RUN_IN_S + stop_s + AFTER_S,
-        actors: actor("lead", gap_m, &profile),
+        actors: vec![actor("lead", gap_m, keys)],
     }
 }
 
@@ -170,18 +174,18 @@ fn cut_out(case: &cut_out::Case, gap_m: f64) -> Traffic {
         false => (VEHICLE_WIDTH_M + CLEARANCE_M) / lateral_mps,
     };
     let end_s = RUN_IN_S + leaves_s;
-    let profile = if hits {
+    let mut keys = if hits {
         let stands_s = end_s + STEP_S / 10.0;
-        format!("profile.speeds = [[0, {speed_mps}], [{end_s}, {speed_mps}], [{stands_s}, 0]]")
+        let speeds = [[0.0, speed_mps], [end_s, speed_mps], [stands_s, 0.0]];
+        table! { profile: table! { speeds: speeds.map(Vec::from).to_vec() } }
     } else {
-        format!("initial_speed_mps = {speed_mps}")
+        table! { initial_speed_mps: speed_mps }
     };
     let to_m = lateral_mps * leaves_s;
-    let leaves = format!(
-        "lateral = [{{ time_s = {RUN_IN_S}, to_m = {to_m}, duration_s = {leaves_s}, rise_s = 0 }}]"
-    );
-    let lead = actor("lead", gap_m, &format!("{profile}, {leaves}"));
-    let actors = lead + ", " + &actor("standing", standing_m, "initial_speed_mps = 0");
+    let leaves = table! { time_s: RUN_IN_S, to_m: to_m, duration_s: leaves_s, rise_s: 0 };
+    keys.extend(table! { lateral: vec![leaves] });
+    let standing = actor("standing", standing_m, table! { initial_speed_mps: 0 });
+    let actors = vec![actor("lead", gap_m, keys), standing];
     let distance_m = gap_m + standing_distance_m + VEHICLE_LENGTH_M;
     let duration_s = RUN_IN_S + distance_m / speed_mps + speed_mps / GENTLE_MPS2 + AFTER_S;
     Traffic { scripted_s: end_s + STEP_S, duration_s, actors }

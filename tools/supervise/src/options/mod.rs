@@ -32,16 +32,15 @@ pub struct ScenarioOptions {
     /// Laws of the user's own.
     #[command(flatten)]
     pub laws: LawOptions,
-    /// Judge the drive by a requirement as well: a formula such as 'always gap_m > 2', or a name such as min-gap:2
-    /// (repeatable; docs/search.md)
+    /// Judge the drive by a requirement too: a formula ('always gap_m > 2') or a name (min-gap:2) (repeatable;
+    /// docs/search.md)
     #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
-    /// Direction from which headings of lane positions count in an OpenSCENARIO file: the road's reference line, as in
-    /// the standard, or the lane's traffic, as in esmini and CARLA
+    /// Headings in lanes of an OpenSCENARIO file count from the road, as in the standard, or from the lane's traffic, as
+    /// in esmini
     #[arg(long, value_enum, default_value_t, value_name = "DIRECTION")]
     pub lane_headings: HeadingsName,
-    /// Name of the entity that is the ego in an OpenSCENARIO file. Without it, the ego is called `Ego` or `hero`, or is the
-    /// only entity with a controller
+    /// The ego of an OpenSCENARIO file [default: `Ego`, `hero`, or the only entity with a controller]
     #[arg(long, value_name = "NAME")]
     pub ego: Option<String>,
     /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.
@@ -56,37 +55,10 @@ pub struct ScenarioOptions {
     /// Refuses a fault of a process at its place: in simulated time it shows nothing.
     #[arg(skip)]
     pub is_in_lockstep: bool,
-    /// Names of these options in errors.
+    /// The options are arguments of a Python function: errors name them so.
     #[arg(skip)]
     #[serde(skip)]
-    pub names: OptionNames,
-}
-
-/// Names of the options in errors: those of the command line, or of a function's arguments.
-#[derive(Clone, Copy, Debug)]
-pub struct OptionNames {
-    /// Name of [`ScenarioOptions::controller`].
-    pub controller: &'static str,
-    /// Name of [`ScenarioOptions::seed`].
-    pub seed: &'static str,
-    /// Name of [`ScenarioOptions::duration`].
-    pub duration: &'static str,
-    /// Name of [`ScenarioOptions::set`].
-    pub set: &'static str,
-    /// Name of [`ScenarioOptions::laws`].
-    pub law: &'static str,
-}
-
-impl Default for OptionNames {
-    fn default() -> Self {
-        Self {
-            controller: "--controller",
-            seed: "--seed",
-            duration: "--duration",
-            set: "--set",
-            law: "--law",
-        }
-    }
+    pub are_from_python: bool,
 }
 
 /// Names of the directions from which headings of lane positions count.
