@@ -28,7 +28,8 @@ pub fn engine() -> Table {
 /// A number as it is written with this number of decimals.
 pub fn fixed(number: f64, decimals: i32) -> f64 {
     let scale = 10.0_f64.powi(decimals);
-    (number * scale).round() / scale
+    // The sum makes -0 a 0.
+    (number * scale).round() / scale + 0.0
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
