@@ -15,7 +15,7 @@ use supervise::{Error, UsageError};
 
 #[derive(Debug, Args)]
 #[command(
-    after_long_help = "The options have the names of the keys of `actors[].profile.csv`. Exit status 1: \
+    after_help = "The options have the names of the keys of `actors[].profile.csv`. Exit status 1: \
 a scenario refuses this record because of its gaps."
 )]
 pub struct LeadArguments {

@@ -96,45 +96,39 @@ pub fn run(arguments: &ListArguments, command: &clap::Command) -> Result<ExitCod
         print::out(text)?;
         return Ok(ExitCode::SUCCESS);
     }
-    let line = |name: &str, line: &str| (name.to_owned(), line.to_owned());
+    let line = |name: &str, about: &str| (name.to_owned(), about.to_owned());
     let scenarios = builtin::ALL.iter().map(|builtin| line(builtin.name, builtin.summary));
-    let controllers = laws::ALL.iter().map(|law| line(law.name, law.description));
+    let laws = laws::ALL.iter().map(|law| line(law.name, law.description));
     let campaigns = campaign::summaries().map(|(name, about)| line(name, &about));
-    let tests =
-        command.find_subcommand("test").into_iter().flat_map(clap::Command::get_subcommands);
-    let tests = tests.map(|test| {
-        let about = test.get_about().map(ToString::to_string).unwrap_or_default();
-        line(test.get_name(), &about)
-    });
-    let lists: [(&str, Vec<(String, String)>); 4] = [
-        (
-            "Scenarios (timegap run NAME; timegap list --show NAME prints the file)",
-            scenarios.collect(),
-        ),
-        ("Controllers (timegap run --controller NAME)", controllers.collect()),
-        ("Campaigns (timegap campaign NAME)", campaigns.collect()),
-        ("Tests (timegap test NAME)", tests.collect()),
+    let tests = command.find_subcommand("test").into_iter();
+    let about =
+        |test: &clap::Command| test.get_about().map(ToString::to_string).unwrap_or_default();
+    let tests = tests.flat_map(clap::Command::get_subcommands);
+    let tests = tests.map(|test| line(test.get_name(), &about(test)));
+    let run = "timegap run NAME; timegap list --show NAME prints the file";
+    let lists: [(&str, &str, Vec<(String, String)>); 4] = [
+        ("Scenarios", run, scenarios.collect()),
+        ("Controllers", "timegap run --controller NAME", laws.collect()),
+        ("Campaigns", "timegap campaign NAME", campaigns.collect()),
+        ("Tests", "timegap test NAME", tests.collect()),
     ];
     if arguments.json {
-        let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
-        let [scenarios, _, campaigns, tests] =
-            lists.map(|(_, rows)| rows.into_iter().map(entry).collect::<Vec<_>>());
-        let list = serde_json::json!({
-            "schema_version": 1,
-            "scenarios": scenarios,
-            "controllers": laws::ALL.iter().copied().map(controller).collect::<Vec<_>>(),
-            "campaigns": campaigns,
-            "tests": tests,
-        });
+        let mut list = serde_json::json!({"schema_version": 1});
+        for (title, _, rows) in lists {
+            let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
+            list[title.to_lowercase()] = rows.into_iter().map(entry).collect();
+        }
+        list["controllers"] = laws::ALL.iter().copied().map(controller).collect();
         let json = serde_json::to_string_pretty(&list).expect("plain data");
         print::out(&(json + "\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let row = |(name, line): &(String, String)| format!("  {name:<26} {line}\n");
-    let list = |(title, rows): &(&str, Vec<(String, String)>)| {
-        format!("{title}:\n{}", rows.iter().map(row).collect::<String>())
-    };
-    print::out(&lists.iter().map(list).collect::<String>())?;
+    let mut text = String::new();
+    for (title, command, rows) in &lists {
+        text.push_str(&format!("{title} ({command}):\n"));
+        rows.iter().for_each(|(name, about)| text.push_str(&format!("  {name:<26} {about}\n")));
+    }
+    print::out(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -42,7 +42,6 @@ struct Problem<'a> {
     dimensions: usize,
     /// The word of the branch that both points of a pair have, of each pair; empty without a branch.
     both: Vec<Option<usize>>,
-    /// Words of the points.
     words: Vec<Option<usize>>,
     /// Squared differences of each pair of points: for each lane of pairs one row a coordinate.
     squares: Vec<Lanes>,

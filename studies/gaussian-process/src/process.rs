@@ -8,7 +8,6 @@ use crate::lanes::{LANES, Lanes};
 #[derive(Clone, Debug)]
 pub struct Process {
     kernel: Kernel,
-    /// Variance of the noise.
     noise: f64,
     points: Vec<Vec<f64>>,
     values: Vec<f64>,
@@ -184,7 +183,6 @@ impl Watched {
         }
     }
 
-    /// The points.
     #[must_use]
     pub fn points(&self) -> &[Vec<f64>] {
         &self.points

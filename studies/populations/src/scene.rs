@@ -20,7 +20,6 @@ pub const CAR_WIDTH_M: f64 = 1.8;
 pub const CAR_LENGTH_M: f64 = 4.5;
 pub const LANE_M: f64 = 3.5;
 
-/// The engine of the ego.
 pub fn engine() -> Table {
     table! { mass_kg: 1600, max_power_kw: 110 }
 }
@@ -197,7 +196,6 @@ impl Scene {
         self
     }
 
-    /// Its scenario as settings.
     pub fn settings(&self, name: &str, seed: u64) -> Vec<Setting> {
         let mut plant = self.plant.clone();
         plant.extend(table! { initial_speed_mps: self.speed_mps });

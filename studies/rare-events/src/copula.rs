@@ -57,7 +57,6 @@ impl Copula {
         self.distributions.len()
     }
 
-    /// The variables' values at a point.
     #[must_use]
     pub fn values(&self, point: &[f64]) -> Vec<f64> {
         let normals = self.factor.times(point);

@@ -17,16 +17,12 @@ use thiserror::Error;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Distribution {
-    /// Normal.
     Normal {
-        /// Mean.
         mean: f64,
-        /// Standard deviation.
         deviation: f64,
     },
     /// The logarithm is normal.
     LogNormal {
-        /// Median.
         median: f64,
         /// Standard deviation of the natural logarithm.
         log_deviation: f64,
@@ -55,7 +51,6 @@ pub enum DistributionError {
     Number {
         /// The number's name.
         name: &'static str,
-        /// Its value.
         value: f64,
         /// The condition.
         expected: &'static str,

@@ -7,20 +7,17 @@ use crate::interval::{of_replicas, wilson};
 pub struct Budget {
     /// Evaluations of the caller's function.
     pub runs: usize,
-    /// Seed of the points.
     pub seed: u64,
 }
 
 /// A probability with its interval.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// Probability of the event.
     pub probability: f64,
     /// 95 % interval.
     pub interval: [f64; 2],
     /// Evaluations that it took.
     pub runs: usize,
-    /// Points in the event.
     pub events: usize,
     /// Share of each coordinate in the event's direction: the squares of the event's mean point, which sum to 1. Empty
     /// without an event.
@@ -34,13 +31,11 @@ pub struct Estimate {
 /// An independent estimate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replica {
-    /// Probability of the event.
     pub probability: f64,
     /// Evaluations that it took.
     pub runs: usize,
     /// The density settled on the event.
     pub is_settled: bool,
-    /// Points in the event.
     pub events: Vec<Vec<f64>>,
     /// Their weights: nominal density over the one that they were drawn from.
     pub weights: Vec<f64>,

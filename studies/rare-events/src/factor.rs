@@ -25,7 +25,6 @@ impl Factor {
         Some(Self(rows))
     }
 
-    /// The factor of the identity.
     pub(crate) fn identity(dimensions: usize) -> Self {
         let row = |i: usize| (0..=i).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
         Self((0..dimensions).map(row).collect())
@@ -46,7 +45,6 @@ impl Factor {
         x
     }
 
-    /// Logarithm of the determinant.
     pub(crate) fn log_determinant(&self) -> f64 {
         self.0.iter().enumerate().map(|(i, row)| libm::log(row[i])).sum()
     }

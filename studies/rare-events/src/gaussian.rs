@@ -7,7 +7,6 @@ use rand_core::Rng;
 /// and not the estimate.
 const DEFENSIVE: f64 = 0.1;
 
-/// The density.
 #[derive(Clone, Debug)]
 pub(crate) struct Gaussian {
     mean: Vec<f64>,
@@ -15,7 +14,6 @@ pub(crate) struct Gaussian {
 }
 
 impl Gaussian {
-    /// The nominal density.
     pub(crate) fn nominal(dimensions: usize) -> Self {
         Self { mean: vec![0.0; dimensions], factor: Factor::identity(dimensions) }
     }

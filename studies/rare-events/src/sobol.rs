@@ -20,12 +20,10 @@
 
 use crate::monte_carlo::point;
 
-/// Indices of one variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Indices {
     /// First order.
     pub first: f64,
-    /// Total.
     pub total: f64,
 }
 

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use supervise::Error;
 
 #[derive(Debug, Args)]
-#[command(after_long_help = PANDAS)]
+#[command(after_help = PANDAS)]
 #[command(group = ArgGroup::new("formats").args(["csv", "parquet", "pcap"]).required(true).multiple(true))]
 pub struct ExportArguments {
     /// Results directory of a run, or a recording

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use supervise::Error;
 
 #[derive(Debug, Args)]
-#[command(after_long_help = SUBSCRIBE)]
+#[command(after_help = SUBSCRIBE)]
 pub struct LayoutsArguments {
     #[command(flatten)]
     pub language: Language,

@@ -87,7 +87,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
 pub struct PartFile {
     schema_version: u32,
     pub study: String,
-    /// Arguments of the study.
     arguments: Value,
     /// Programs in the place of services.
     pub group: GroupOptions,

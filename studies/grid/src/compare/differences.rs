@@ -21,7 +21,6 @@ const TAILS: f64 = 0.05;
 /// Name of the share of completed runs.
 const COMPLETED: &str = "completed";
 
-/// Columns of the differences.
 pub fn columns() -> Vec<Column<Difference>> {
     vec![
         word("scenario", "scenario", ""),

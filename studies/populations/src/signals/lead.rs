@@ -116,7 +116,6 @@ impl Lead {
         self.places[end - 1] + since_s * (v + 0.5 * slope * since_s)
     }
 
-    /// Its table in a scenario.
     pub fn table(&self) -> Table {
         let point = |&(time_s, v): &(f64, f64)| Value::from(vec![fixed(time_s, 1), fixed(v, 3)]);
         let points: Vec<Value> = self.speeds.iter().map(point).collect();

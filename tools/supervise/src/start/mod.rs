@@ -31,7 +31,6 @@ pub fn programs(
     Ok(programs)
 }
 
-/// The program that replaces `service`.
 pub fn of_service(service: Service, path: &Path, here: &Path) -> Result<Program, UsageError> {
     let command = [path.to_string_lossy().into_owned()];
     Program::of(&command, here).map_err(|reason| {
