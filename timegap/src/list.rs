@@ -54,6 +54,7 @@ fn results() -> serde_json::Value {
         standards::iso15622::schema(),
         papers::schema(),
         bench::schema(),
+        graph::schema(),
         campaign::schema(),
     ];
     schema_document(&[&all[..], &populations::schemas()].concat())

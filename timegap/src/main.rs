@@ -80,7 +80,10 @@ fn run_command() -> ExitCode {
         Command::Merge(arguments) => frame::merge(&arguments, &studies()),
         Command::Resume(arguments) => frame::resume(&arguments, &studies()),
         Command::Recording(command) => recording(&command),
-        Command::Bench(arguments) => bench::run(&arguments),
+        Command::Bench(arguments) => match &arguments.graph {
+            Some(file) => graph::run(file, &arguments),
+            None => bench::run(&arguments),
+        },
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::List(arguments) => list::run(&arguments, &Cli::command()),
         Command::Print(PrintCommand::Schema(arguments)) => list::print_schema(&arguments),

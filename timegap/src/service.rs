@@ -42,11 +42,13 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         ("fmu", texts) => return Ok(fmi::run(texts)),
         ("janitor", [root]) => return Ok(supervise::run_janitor(Path::new(root))),
         ("bench", [root, job]) => return bench::run_peer(Path::new(root), job),
+        ("node", [root, node, number]) => return graph::run_node(Path::new(root), node, number),
         ("hog", [_, what, number]) if number.parse::<usize>().is_ok() => {
             return Ok(supervise::run_hog(what, number.parse().expect("checked")));
         }
         ("janitor", _) => "the root of a run",
         ("bench", _) => "its root and job",
+        ("node", _) => "the root of a run, a node and a process of it",
         ("hog", _) => "the root of a run, a resource and an amount",
         ("bridge" | "ros2-law", _) => "a program that was built with `--features bridge`",
         (name, _) => {

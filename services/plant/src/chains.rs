@@ -20,8 +20,9 @@ use crate::parts::{Actuated, Chain, PARTS, Stamps};
 use crate::report::Hops;
 use crate::worst::Worst;
 use messages::{Brake, Command, Origin};
+use runtime::chain::ChainTimes;
 use runtime::statistics::Latencies;
-use runtime::{Count, Figures, RuntimeError};
+use runtime::{Figures, RuntimeError};
 use std::collections::BTreeMap;
 
 /// Names of the parts, in order of time.
@@ -38,18 +39,11 @@ const NAMES: [&str; PARTS] = [
 /// Histograms of all chains of a run.
 #[derive(Debug)]
 pub(crate) struct Chains {
-    pub(crate) reaction: Latencies,
-    pub(crate) age: Latencies,
-    pub(crate) designed_wait: Latencies,
-    pub(crate) net_reaction: Latencies,
+    /// The times that every chain has; the parts are [`NAMES`].
+    pub(crate) times: ChainTimes,
     radar_to_controller: Latencies,
     controller_to_plant: Latencies,
-    /// One for each of [`NAMES`].
-    parts: [Latencies; PARTS],
     pub(crate) worst: Worst,
-    deadline_ns: i64,
-    /// Chains whose reaction time, end to end, was longer than the deadline.
-    pub(crate) late: Count,
     last_radar: Option<Origin>,
     /// A reaction that is not counted yet, and the designed waits in it, ns.
     ended: Option<(Chain, i64)>,
@@ -67,21 +61,12 @@ impl Chains {
         figures: &Figures,
     ) -> Result<Self, RuntimeError> {
         let open = |name: &str| figures.latencies(&format!("{path}.{name}"));
-        let mut parts: [Latencies; PARTS] = Default::default();
-        for (part, name) in parts.iter_mut().zip(NAMES) {
-            *part = open(name)?;
-        }
+        let late = figures.count(&format!("{path}.late"))?;
         Ok(Self {
-            reaction: open("reaction_time")?,
-            age: open("data_age")?,
-            designed_wait: open("designed_wait")?,
-            net_reaction: open("net_reaction")?,
+            times: ChainTimes::open(NAMES, deadline_ns, late, open)?,
             radar_to_controller: open("radar_to_controller")?,
             controller_to_plant: open("controller_to_plant")?,
-            parts,
             worst: Worst::new(deadline_ns),
-            deadline_ns,
-            late: figures.count(&format!("{path}.late"))?,
             last_radar: None,
             ended: None,
         })
@@ -115,7 +100,7 @@ impl Chains {
         if !radar.is_some() {
             return None;
         }
-        self.age.record_ns(actuated.now_ns - radar.acquisition_ns);
+        self.times.age.record_ns(actuated.now_ns - radar.acquisition_ns);
         if self.last_radar == Some(radar) {
             return None;
         }
@@ -129,22 +114,15 @@ impl Chains {
     /// before or after leaves no reaction that the next one counts again.
     pub(crate) fn count(&mut self) {
         let Some((parts, designed)) = self.ended.take() else { return };
-        let sum = parts.sum_ns();
-        self.reaction.record_ns(sum);
-        self.late.add(u64::from(sum > self.deadline_ns));
-        self.designed_wait.record_ns(designed);
-        self.net_reaction.record_ns(sum - designed);
+        self.times.count(&parts.0, designed);
         self.radar_to_controller.record_ns(parts.radar_to_controller_ns());
         self.controller_to_plant.record_ns(parts.controller_to_plant_ns());
-        for (histogram, part) in self.parts.iter_mut().zip(parts.0) {
-            histogram.record_ns(part);
-        }
     }
 
     /// Percentiles of the reaction time's parts.
     pub(crate) fn hops_us(&self) -> Hops {
-        let [publish, queue, transport, compute, wait, wake, actuate] =
-            self.parts.each_ref().map(Latencies::percentiles_us);
+        let [publish, queue, transport, compute, wait, wake, actuate]: [_; PARTS] =
+            std::array::from_fn(|part| self.times.parts[part].percentiles_us());
         Hops {
             radar_to_controller: self.radar_to_controller.percentiles_us(),
             controller_compute: compute,
@@ -161,12 +139,12 @@ impl Chains {
     /// All histograms by the names of their figures.
     pub(crate) fn histograms(&self) -> BTreeMap<String, Latencies> {
         let whole = [
-            ("reaction_time", &self.reaction),
-            ("data_age", &self.age),
-            ("designed_wait", &self.designed_wait),
-            ("net_reaction", &self.net_reaction),
+            ("reaction_time", &self.times.reaction),
+            ("data_age", &self.times.age),
+            ("designed_wait", &self.times.designed_wait),
+            ("net_reaction", &self.times.net_reaction),
         ];
-        let parts = NAMES.into_iter().zip(&self.parts);
+        let parts = NAMES.into_iter().zip(&self.times.parts);
         whole.into_iter().chain(parts).map(|(name, h)| (name.to_owned(), h.clone())).collect()
     }
 }
@@ -251,7 +229,7 @@ mod tests {
         let none = command(radar(0, -1, -1), 0, 0, 0, 0);
         chains.actuated(&none, &at(10, 10, 10));
         assert_eq!(
-            chains.age.percentiles_us(),
+            chains.times.age.percentiles_us(),
             None,
             "a command without a radar sample is not a chain"
         );
@@ -265,14 +243,17 @@ mod tests {
         chains.count();
         let count = |p: Option<Percentiles>| p.map_or(0, |p| p.count);
         assert_eq!(
-            (count(chains.reaction.percentiles_us()), count(chains.age.percentiles_us())),
+            (
+                count(chains.times.reaction.percentiles_us()),
+                count(chains.times.age.percentiles_us())
+            ),
             (2, 3)
         );
         let hops = chains.hops_us();
         for part in [hops.radar_to_controller, hops.radar_transport, hops.actuate] {
             assert_eq!(count(part), 2);
         }
-        assert_eq!(chains.reaction.percentiles_us().map(|p| p.max), Some(13.0));
+        assert_eq!(chains.times.reaction.percentiles_us().map(|p| p.max), Some(13.0));
         let longest = chains.worst.report();
         assert_eq!(longest.iter().map(|w| w.radar_sequence).collect::<Vec<_>>(), [2, 1]);
     }
@@ -294,7 +275,7 @@ mod tests {
                         chains.count();
                     }
                 }
-                reactions += chains.reaction.percentiles_us().map_or(0, |p| p.count);
+                reactions += chains.times.reaction.percentiles_us().map_or(0, |p| p.count);
             }
             assert_eq!(reactions, if is_kept { 7 } else { 6 });
         }

@@ -1,6 +1,7 @@
 //! The parts of one reaction time, from the stamps of the message that ends it.
 
 use messages::{Brake, Command, Header};
+use runtime::chain::part;
 
 /// Instant and lateness of the plant's act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,12 +67,7 @@ impl Chain {
             actuated.now_ns,
         ];
         let mut reached = radar.acquisition_ns;
-        // Time never goes back: a stage that was over before the last one ended took none.
-        Self(ends.map(|stamp_ns| {
-            let part = (stamp_ns - reached).max(0);
-            reached += part;
-            part
-        }))
+        Self(ends.map(|stamp_ns| part(&mut reached, stamp_ns)))
     }
 
     /// Radar acquisition to the start of the control cycle, ns.

@@ -38,6 +38,11 @@ impl Guest {
         self.node.service(name)
     }
 
+    /// Removes what dead processes left on all topics.
+    pub fn remove_dead(&self) {
+        self.node.remove_dead();
+    }
+
     /// Wakes those who wait for `topic`.
     #[must_use]
     pub fn waker(&self, topic: Topic) -> Waker {

@@ -28,6 +28,7 @@
 
 #![warn(missing_docs)]
 
+pub mod chain;
 mod counts;
 mod error;
 mod faults;
@@ -54,7 +55,7 @@ pub use faults::{FaultStatistics, Injected, concerned};
 pub use guest::Guest;
 pub use in_process::{Entry, InProcess};
 pub use life::group::Group;
-pub use life::link::{FromService, PEER_JOINED, StartOrder, ToService};
+pub use life::link::{FromService, Link, PEER_JOINED, StartOrder, ToService};
 pub use life::process::{NAME_PREFIX, PREPARED, PREPARED_PREFIX, log_warnings, run_service};
 pub use machine::background::{BackgroundWorker, WorkerReport};
 pub use machine::program::{Program, ProgramError, command_line, executable};
@@ -69,8 +70,10 @@ pub use releases::schedule::{Schedule, ScheduledRelease};
 pub use releases::timetable::Timetable;
 pub use session::{Cycle, Runtime, count_allocations_by};
 pub use survival::checkpoint::Checkpoint;
+pub use survival::cycle_watch::CycleWatch;
+pub use survival::fence as epoch;
 pub use survival::standby::{ActiveProcess, Cause, TakeOver};
-pub use transport::waking::{Ticket, Waiter, Waker};
+pub use transport::waking::{Ticket, Waiter, Waker, wait_word, wake_word};
 pub use transport::{
     Carrier, Ipc, Loan, Sealing, TransportError, Turns, domain, shared_memory_bytes,
 };

@@ -29,12 +29,12 @@ mod document;
 mod goals;
 mod limits;
 mod paired;
-mod payload;
-mod peer;
-mod plan;
+pub mod payload;
+pub mod peer;
+pub mod plan;
 mod results;
-mod setup;
-mod stage;
+pub mod setup;
+pub mod stage;
 mod statistics;
 mod wake;
 
@@ -88,6 +88,9 @@ pub struct BenchArguments {
     /// Growth of a ratio to the floor that counts as worse
     #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
     pub factor: f64,
+    /// Run a graph of nodes of your own in place of the benchmark, and measure its chains (docs/graph.md)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "save", "against", "factor"])]
+    pub graph: Option<PathBuf>,
     #[command(flatten)]
     pub results: ResultOptions,
 }

@@ -26,46 +26,61 @@ struct Stamp {
 
 type Payload = [u8];
 
-/// The iceoryx2 service of payloads of `bytes`, beside the one of the topic.
-fn topic(guest: &Guest, bytes: usize) -> Result<PortFactory<Ipc, Payload, Stamp>, MachineError> {
-    let name = format!("bench/payload/{bytes}");
-    (guest.service(&name.as_str().try_into().expect("a valid service name")))
+/// Processes that a service of payloads has at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Peers {
+    pub senders: usize,
+    pub receivers: usize,
+    /// Payloads kept for receivers that come late.
+    pub history: usize,
+}
+
+/// The iceoryx2 service of payloads of this name, beside those of the topics.
+fn service(
+    guest: &Guest,
+    name: &str,
+    peers: Peers,
+) -> Result<PortFactory<Ipc, Payload, Stamp>, MachineError> {
+    (guest.service(&name.try_into().map_err(failed("name a service of payloads"))?))
         .publish_subscribe::<Payload>()
         .user_header::<Stamp>()
-        .max_publishers(1)
-        .max_subscribers(1)
+        .max_publishers(peers.senders)
+        .max_subscribers(peers.receivers)
+        .max_nodes(2 * (peers.senders + peers.receivers))
         // A sink that lags by more than this has lost the wake-ups anyway.
         .subscriber_max_buffer_size(4)
         .subscriber_max_borrowed_samples(1)
-        .history_size(0)
+        .history_size(peers.history)
         .open_or_create()
         .map_err(failed("open a service of payloads"))
 }
 
-const PAYLOAD_DATA_ID: u32 = PAYLOAD_TOPIC.data_id(Member::PerceptionSim.to_wire());
-
+/// The sending end of payloads.
 #[derive(Debug)]
-pub struct PayloadSender {
+pub struct BytesSender {
     port: Publisher<Ipc, Payload, Stamp>,
-    waker: Waker,
     bytes: usize,
-    /// The sender writes and protects the bytes, the reader checks them, all in place.
-    is_protected: bool,
-    sent: u32,
 }
 
-impl PayloadSender {
-    pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, MachineError> {
-        let port = (topic(guest, bytes)?.publisher_builder())
+impl BytesSender {
+    /// Opens the service `name` for payloads of `bytes`.
+    pub fn open(
+        guest: &Guest,
+        name: &str,
+        bytes: usize,
+        peers: Peers,
+    ) -> Result<Self, MachineError> {
+        let port = (service(guest, name, peers)?.publisher_builder())
             .initial_max_slice_len(bytes)
             .create()
             .map_err(failed("make a sender of payloads"))?;
-        Ok(Self { port, waker: guest.waker(PAYLOAD_TOPIC), bytes, is_protected, sent: 0 })
+        Ok(Self { port, bytes })
     }
 
-    /// Loans a payload, stamps it with the time before the loan, sends it and wakes who waits.
+    /// Loans a payload, stamps it with the time before the loan, lets `write` fill it and sends it. It holds zeros or
+    /// an earlier payload.
     #[expect(unsafe_code, reason = "a payload is not written to please the type")]
-    pub fn send(&mut self) -> Result<(), MachineError> {
+    pub fn send(&mut self, write: impl FnOnce(&mut [u8])) -> Result<(), MachineError> {
         let sent_ns = monotonic_ns();
         let sample = self.port.loan_slice_uninit(self.bytes);
         let mut sample = sample.map_err(failed("loan a payload"))?;
@@ -73,13 +88,70 @@ impl PayloadSender {
         // SAFETY: the payload is a part of a file in memory, mapped by this process. It holds zeros or an earlier
         // payload.
         let mut sample = unsafe { sample.assume_init() };
-        self.sent = self.sent.wrapping_add(1);
-        if self.is_protected {
-            let bytes = sample.payload_mut();
-            bytes.fill(self.sent as u8);
-            profile7::protect(bytes, PAYLOAD_DATA_ID, self.sent);
-        }
+        write(sample.payload_mut());
         sample.send().map_err(failed("send a payload"))?;
+        Ok(())
+    }
+}
+
+/// A receiving end of payloads.
+#[derive(Debug)]
+pub struct BytesReceiver(Subscriber<Ipc, Payload, Stamp>);
+
+impl BytesReceiver {
+    /// Opens the service `name`.
+    pub fn open(guest: &Guest, name: &str, peers: Peers) -> Result<Self, MachineError> {
+        let port = (service(guest, name, peers)?.subscriber_builder()).create();
+        Ok(Self(port.map_err(failed("make a receiver of payloads"))?))
+    }
+
+    /// Hands all payloads that have come to `each`, in order, with their stamps; true if there was one.
+    pub fn take(
+        &self,
+        mut each: impl FnMut(i64, &[u8]) -> Result<(), MachineError>,
+    ) -> Result<bool, MachineError> {
+        let mut found = false;
+        while let Some(sample) = self.0.receive().map_err(failed("receive a payload"))? {
+            found = true;
+            each(sample.user_header().sent_ns, sample.payload())?;
+        }
+        Ok(found)
+    }
+}
+
+/// The service of the benchmark's own payloads of `bytes`: one sender, one receiver.
+fn own(bytes: usize) -> (String, Peers) {
+    (format!("bench/payload/{bytes}"), Peers { senders: 1, receivers: 1, history: 0 })
+}
+
+const PAYLOAD_DATA_ID: u32 = PAYLOAD_TOPIC.data_id(Member::PerceptionSim.to_wire());
+
+#[derive(Debug)]
+pub struct PayloadSender {
+    port: BytesSender,
+    waker: Waker,
+    /// The sender writes and protects the bytes, the reader checks them, all in place.
+    is_protected: bool,
+    sent: u32,
+}
+
+impl PayloadSender {
+    pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, MachineError> {
+        let (name, peers) = own(bytes);
+        let port = BytesSender::open(guest, &name, bytes, peers)?;
+        Ok(Self { port, waker: guest.waker(PAYLOAD_TOPIC), is_protected, sent: 0 })
+    }
+
+    /// Sends a payload and wakes who waits.
+    pub fn send(&mut self) -> Result<(), MachineError> {
+        self.sent = self.sent.wrapping_add(1);
+        let (is_protected, sent) = (self.is_protected, self.sent);
+        self.port.send(|bytes| {
+            if is_protected {
+                bytes.fill(sent as u8);
+                profile7::protect(bytes, PAYLOAD_DATA_ID, sent);
+            }
+        })?;
         self.waker.wake();
         Ok(())
     }
@@ -87,16 +159,15 @@ impl PayloadSender {
 
 #[derive(Debug)]
 pub struct PayloadReceiver {
-    port: Subscriber<Ipc, Payload, Stamp>,
+    port: BytesReceiver,
     waiter: Waiter,
     is_protected: bool,
 }
 
 impl PayloadReceiver {
     pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, MachineError> {
-        let port = (topic(guest, bytes)?.subscriber_builder())
-            .create()
-            .map_err(failed("make a receiver of payloads"))?;
+        let (name, peers) = own(bytes);
+        let port = BytesReceiver::open(guest, &name, peers)?;
         Ok(Self { port, waiter: guest.waiter(PAYLOAD_TOPIC), is_protected })
     }
 
@@ -112,15 +183,13 @@ impl PayloadReceiver {
     }
 
     fn take(&self, each: &mut impl FnMut(i64)) -> Result<bool, MachineError> {
-        let mut found = false;
-        while let Some(sample) = self.port.receive().map_err(failed("receive a payload"))? {
-            found = true;
+        self.port.take(|sent_ns, bytes| {
             if self.is_protected {
-                profile7::check(sample.payload(), PAYLOAD_DATA_ID)
+                profile7::check(bytes, PAYLOAD_DATA_ID)
                     .map_err(|reason| failed("accept a payload")(format!("{reason:?}")))?;
             }
-            each(sample.user_header().sent_ns);
-        }
-        Ok(found)
+            each(sent_ns);
+            Ok(())
+        })
     }
 }

@@ -7,6 +7,7 @@ use super::wake;
 use runtime::scheduling::usable_cores;
 use runtime::{Group, Mode, SharedWords, Timetable};
 use rustix::event::{EventfdFlags, eventfd};
+use std::cell::RefCell;
 use std::io::Read;
 use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt;
@@ -94,7 +95,7 @@ pub(crate) fn group_below(root: &RunRoot) -> Group {
 #[derive(Debug)]
 pub struct Stage {
     root: Option<RunRoot>,
-    janitor: Option<Janitor>,
+    janitor: RefCell<Option<Janitor>>,
     page_name: String,
     page: SharedWords,
     cores: Vec<usize>,
@@ -110,7 +111,7 @@ impl Stage {
         group_below(&root).write()?;
         let page_name = format!("{}bench", root.prefix());
         let page = peer::page(&page_name)?;
-        let (root, janitor) = (Some(root), Some(janitor));
+        let (root, janitor) = (Some(root), RefCell::new(Some(janitor)));
         Ok(Self { root, janitor, page_name, page, cores: usable_cores(), interrupted })
     }
 
@@ -175,7 +176,7 @@ impl Stage {
         }
         let source = source.finish()?;
         let sink = sink.finish()?;
-        let path = self.root.as_ref().expect("there until the end").path().join(BLOCKS_FILE);
+        let path = self.root().path().join(BLOCKS_FILE);
         let text = std::fs::read_to_string(&path).map_err(failed("read the samples"))?;
         let samples = serde_json::from_str(&text).map_err(failed("read the samples"))?;
         Ok((samples, sink, source))
@@ -202,15 +203,37 @@ impl Stage {
         Ok(Some(Compared { comparison, conditions, period_us, lost, pairs }))
     }
 
+    /// The root of its processes; others can join them there.
+    pub fn root(&self) -> &RunRoot {
+        self.root.as_ref().expect("there until the end")
+    }
+
+    /// Sends the janitor the process group of others on this stage.
+    pub fn watch(&self, group: i32) {
+        if let Some(janitor) = self.janitor.borrow_mut().as_mut() {
+            janitor.watch(group);
+        }
+    }
+
     /// Starts a metronome on the core of the placement's sink; it ticks without counting.
     pub fn metronome(
         &self,
         conditions: Conditions,
         period_us: u32,
     ) -> Result<Metronome<'_>, Error> {
-        self.clear();
-        let fifo = conditions.scheduling == Scheduling::Fifo;
         let (_, core) = self.placed(conditions.placement);
+        self.metronome_on(core, conditions.scheduling, period_us)
+    }
+
+    /// The same on a core of its own choice.
+    pub fn metronome_on(
+        &self,
+        core: usize,
+        scheduling: Scheduling,
+        period_us: u32,
+    ) -> Result<Metronome<'_>, Error> {
+        self.clear();
+        let fifo = scheduling == Scheduling::Fifo;
         let priority = fifo.then_some(METRONOME_PRIORITY);
         let peer = self.spawn(Task::Metronome, priority, core, period_us, None)?;
         let begun = Instant::now();
@@ -246,7 +269,6 @@ impl Stage {
         period_us: u32,
         stdin: Option<OwnedFd>,
     ) -> Result<Peer, Error> {
-        let root = self.root.as_ref().expect("there until the end");
         let job = Job {
             task,
             parent: std::process::id(),
@@ -258,7 +280,7 @@ impl Stage {
         let job = serde_json::to_string(&job).expect("plain data");
         let child = this_program(&["service", "bench"])?
             .arg0("timegap-bench")
-            .arg(root.path())
+            .arg(self.root().path())
             .arg(job)
             .stdin(stdin.map_or_else(Stdio::null, Stdio::from))
             .stdout(Stdio::piped())
@@ -274,7 +296,7 @@ impl Drop for Stage {
         if let Some(root) = self.root.take() {
             root.remove();
         }
-        if let Some(janitor) = self.janitor.take() {
+        if let Some(janitor) = self.janitor.borrow_mut().take() {
             janitor.dismiss();
         }
     }

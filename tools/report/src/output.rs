@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use supervise::{Error, UsageError};
 
 /// Files that commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 37] = [
+const RESULTS: [&str; 38] = [
     "begun.jsonl",
     "bench.json",
     "campaign.json",
@@ -29,6 +29,7 @@ const RESULTS: [&str; 37] = [
     "failure-4.toml",
     "failure-5.toml",
     "gains.csv",
+    "graph.json",
     "histograms.hlog",
     "iso15622.json",
     "live.json",

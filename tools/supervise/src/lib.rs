@@ -27,7 +27,7 @@ mod replay;
 mod root;
 mod run;
 mod start;
-mod succession;
+pub mod succession;
 mod supervisor;
 
 pub use drive::{
@@ -38,8 +38,10 @@ pub use drive::{
 };
 pub use error::{Error, Failure, MachineError, Status, UsageError};
 pub use events::{flag_end, hold_signals, is_signalled};
-pub use faults::disturbance::run as run_hog;
+pub use faults::disturbance::{Disturbance, run as run_hog};
 pub use in_process::entry;
+pub use member::silence::{Meaning, Silence};
+pub use member::starvation::Share;
 pub use options::laws::{LawOptions, LawSource, NamedLaw};
 pub use options::{GroupOptions, ScenarioOptions, mode, service_program};
 pub use recording::law_names;
@@ -49,7 +51,7 @@ pub use root::dead_runs::{DeadRun, dead_runs};
 pub use root::room::{check_room, shared_memory_room};
 pub use root::{RunRoot, base, is_alive};
 pub use run::{Keep, Opening, drive, is_openscenario, open, open_with};
-pub use start::attendant::run as run_janitor;
+pub use start::attendant::{Attendant, run as run_janitor};
 pub use start::of_service;
 pub use start::processes::{Janitor, Launch, this_program};
 pub use supervisor::launch;

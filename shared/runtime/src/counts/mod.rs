@@ -16,8 +16,8 @@ use crate::words::{open_existing_own, open_own};
 use crate::{Group, RuntimeError};
 use account::{Account, LastAccount, OwnAccount, Progress};
 use figures::{Figures, Names};
-use messages::Service;
 use statistics::Buckets;
+use std::fmt::Display;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -49,13 +49,17 @@ pub struct ServiceCounts {
 }
 
 /// Path of the file of `service` in the run with this prefix.
-fn path(prefix: &str, service: Service) -> PathBuf {
+fn path(prefix: &str, service: impl Display) -> PathBuf {
     Path::new("/dev/shm").join(format!("{prefix}{service}.counts"))
 }
 
 impl ServiceCounts {
-    /// The counts of a process of `service`. It makes the file if there is none, and has no account yet.
-    pub(crate) fn open(group: &Group, service: Service) -> Result<Self, RuntimeError> {
+    /// The counts of a process of `service`, or of anything else that counts under that name in the run. It makes the
+    /// file if there is none, and has no account yet.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if shared memory has no room for it.
+    pub fn open(group: &Group, service: impl Display) -> Result<Self, RuntimeError> {
         let path = path(&group.prefix, service);
         let made = || {
             let file = open_own(&path)?;
@@ -67,7 +71,7 @@ impl ServiceCounts {
     /// The counts of `service` in the run of `group`, as another process reads them. They are empty if the service made
     /// no file.
     #[must_use]
-    pub fn of(group: &Group, service: Service) -> Self {
+    pub fn of(group: &Group, service: impl Display) -> Self {
         let found = || {
             let file = open_existing_own(&path(&group.prefix, service)).ok()?;
             let figures = Figures::of(file.try_clone().ok()?).ok()?;
@@ -83,7 +87,10 @@ impl ServiceCounts {
     }
 
     /// Begins the account of process `incarnation`; without a file there is none.
-    pub(crate) fn begin_account(&mut self, incarnation: u32) -> Result<(), RuntimeError> {
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if shared memory has no room for it.
+    pub fn begin_account(&mut self, incarnation: u32) -> Result<(), RuntimeError> {
         let begin = |file| OwnAccount::begin(file, incarnation);
         let account = self.file.as_ref().map(begin).transpose();
         self.account = account.map_err(RuntimeError::setup("the account in shared memory"))?;
@@ -93,6 +100,13 @@ impl ServiceCounts {
     /// This process's account, once it has begun.
     pub(crate) fn account(&mut self) -> Option<&mut OwnAccount> {
         self.account.as_mut()
+    }
+
+    /// Shows others that this process has done `cycles`.
+    pub fn show_progress(&mut self, cycles: u64) {
+        if let Some(account) = &mut self.account {
+            account.show_progress(cycles);
+        }
     }
 
     /// The progress of process `incarnation`; `None` if it keeps no account.
@@ -112,6 +126,7 @@ impl ServiceCounts {
 pub(crate) mod tests {
     use super::*;
     use crate::{Mode, Timetable};
+    use messages::Service;
 
     /// A run whose file of the plant's counts is removed with it.
     pub(crate) struct Run(pub(crate) Group);

@@ -97,7 +97,7 @@ impl End {
 
 /// The service's end of the link.
 #[derive(Debug)]
-pub(crate) struct Link {
+pub struct Link {
     way: Way,
     pub(crate) end: End,
     /// The launcher's faults.
@@ -158,7 +158,10 @@ impl Link {
 
     /// Listens to the launcher. SIGTERM and SIGINT keep their default: a service that they end has died,
     /// and the launcher replaces it.
-    pub(crate) fn open() -> Result<Self, RuntimeError> {
+    ///
+    /// # Errors
+    /// [`RuntimeError::Link`].
+    pub fn open() -> Result<Self, RuntimeError> {
         let end = End::default();
         let joined = Arc::new(AtomicBool::new(false));
         signal_hook::flag::register(PEER_JOINED, Arc::clone(&joined))
@@ -202,8 +205,17 @@ impl Link {
         if ordered { Ok(()) } else { Err(RuntimeError::Stopped) }
     }
 
+    /// True once the run was ended.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.end.is_now()
+    }
+
     /// Waits for the start order.
-    pub(crate) fn wait_for_start(&self) -> Result<StartOrder, RuntimeError> {
+    ///
+    /// # Errors
+    /// [`RuntimeError::Stopped`] if the run ends before.
+    pub fn wait_for_start(&self) -> Result<StartOrder, RuntimeError> {
         loop {
             let order = match &self.way {
                 Way::Streams(start) => {
@@ -223,7 +235,10 @@ impl Link {
     }
 
     /// Sends the launcher a message.
-    pub(crate) fn send(&self, message: FromService) -> Result<(), RuntimeError> {
+    ///
+    /// # Errors
+    /// [`RuntimeError::Link`] if the launcher is gone.
+    pub fn send(&self, message: FromService) -> Result<(), RuntimeError> {
         if let Way::Memory(desk, _) = &self.way {
             desk.said.borrow_mut().push_back(message);
             return Ok(());

@@ -2,7 +2,7 @@
 
 /// Decides by another process's count of cycles whether that process works.
 #[derive(Debug)]
-pub(crate) struct CycleWatch {
+pub struct CycleWatch {
     /// Cycles that it had done at the last look, and since when it had done them.
     cycles: u64,
     since_ns: i64,
@@ -13,12 +13,12 @@ pub(crate) struct CycleWatch {
 
 impl CycleWatch {
     /// A watch from `now_ns` on over a process that works every `period_ns`.
-    pub(crate) fn new(now_ns: i64, period_ns: i64, timeout_ns: i64) -> Self {
+    pub fn new(now_ns: i64, period_ns: i64, timeout_ns: i64) -> Self {
         Self { cycles: 0, since_ns: now_ns, looked_ns: now_ns, period_ns, timeout_ns }
     }
 
     /// Looks at the count at `now_ns`; true if the process completed no cycle for a period and the timeout.
-    pub(crate) fn is_silent(&mut self, now_ns: i64, cycles: u64) -> bool {
+    pub fn is_silent(&mut self, now_ns: i64, cycles: u64) -> bool {
         // If this process did not get the processor, the other one may not have got it either.
         let stalled = 2 * (now_ns - self.looked_ns) > 3 * self.period_ns.max(self.timeout_ns);
         self.looked_ns = now_ns;

@@ -22,7 +22,7 @@ use std::rc::Rc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// An atomic word: the machine's, or a model checker's.
-pub(crate) trait Word {
+pub trait Word {
     /// Reads it, and sees all that was written before the value that it finds.
     fn load(&self) -> u32;
 
@@ -41,22 +41,22 @@ impl Word for AtomicU32 {
 }
 
 /// True if the process of epoch `own` may send.
-pub(crate) fn may_send(word: &impl Word, own: u32) -> bool {
+pub fn may_send(word: &impl Word, own: u32) -> bool {
     word.load() == own
 }
 
 /// True if a message of epoch `sender`, which has arrived, may be used.
-pub(crate) fn is_accepted(word: &impl Word, sender: u32) -> bool {
+pub fn is_accepted(word: &impl Word, sender: u32) -> bool {
     word.load() == sender
 }
 
 /// Takes the service over from the process of epoch `active`; false if it is not the active one any more.
-pub(crate) fn take_over(word: &impl Word, active: u32, own: u32) -> bool {
+pub fn take_over(word: &impl Word, active: u32, own: u32) -> bool {
     active < own && word.swap_from(active, own)
 }
 
 /// Makes `own` the epoch of a process that is started where no other one lives. False if a later one has it already.
-pub(crate) fn claim(word: &impl Word, own: u32) -> bool {
+pub fn claim(word: &impl Word, own: u32) -> bool {
     let present = word.load();
     present == own || take_over(word, present, own)
 }

@@ -8,7 +8,7 @@
 //! ```
 
 pub mod checkpoint;
-mod cycle_watch;
+pub mod cycle_watch;
 pub mod end_word;
 pub mod fence;
 pub mod standby;

@@ -171,7 +171,7 @@ impl SharedMemory {
     }
 
     /// Removes what dead processes left on the topics.
-    pub(super) fn remove_dead(&self) {
+    pub(crate) fn remove_dead(&self) {
         self.node.try_cleanup_dead_nodes();
     }
 

@@ -22,7 +22,7 @@ use rustix::thread::futex;
 use std::cell::Cell;
 use std::io;
 use std::rc::Rc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 /// Wakes those who wait for a topic in other processes.
@@ -48,10 +48,29 @@ impl Waker {
 
 /// Wakes all who wait for `topic`.
 pub(crate) fn wake(words: &RunWords, topic: Topic) {
-    let word = words.wake(topic);
+    wake_word(words.wake(topic));
+}
+
+/// Moves a word in shared memory, and wakes all who wait for that.
+///
+/// # Panics
+/// Never: the word is mapped.
+pub fn wake_word(word: &AtomicU32) {
     word.fetch_add(1, Ordering::Release);
     futex::wake(word, futex::Flags::empty(), i32::MAX.unsigned_abs())
         .expect("waking fails only for addresses that are none");
+}
+
+/// Waits while a word holds `seen`, at most for `timeout`. A signal ends the wait early.
+///
+/// # Errors
+/// If the system refuses.
+pub fn wait_word(word: &AtomicU32, seen: u32, timeout: Duration) -> io::Result<()> {
+    let timeout = timeout.try_into().map_err(|_| io::ErrorKind::InvalidInput)?;
+    match futex::wait(word, futex::Flags::empty(), seen, Some(&timeout)) {
+        Ok(()) | Err(Errno::AGAIN | Errno::TIMEDOUT | Errno::INTR) => Ok(()),
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// The state of a topic's word before a look at the topic.
@@ -105,17 +124,12 @@ impl Waiter {
     /// # Errors
     /// If the system refuses.
     pub fn wait(&self, ticket: Ticket, timeout: Duration) -> io::Result<()> {
-        let (words, topic) = match &self.0 {
-            Way::Futex { words, topic } => (words, *topic),
+        match &self.0 {
+            Way::Futex { words, topic } => wait_word(words.wake(*topic), ticket.0, timeout),
             Way::InProcess { pause, .. } => {
                 pause.wait();
-                return Ok(());
+                Ok(())
             }
-        };
-        let timeout = timeout.try_into().map_err(|_| io::ErrorKind::InvalidInput)?;
-        match futex::wait(words.wake(topic), futex::Flags::empty(), ticket.0, Some(&timeout)) {
-            Ok(()) | Err(Errno::AGAIN | Errno::TIMEDOUT | Errno::INTR) => Ok(()),
-            Err(error) => Err(error.into()),
         }
     }
 

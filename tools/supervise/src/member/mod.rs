@@ -55,7 +55,7 @@ impl Member {
         let mut this = Self {
             service,
             program,
-            succession: Succession::new(policy, service, with_standby),
+            succession: Succession::new(policy, policy.restart_of(service), with_standby),
             processes: Vec::new(),
             prepared: None,
             prepared_failed: false,

@@ -1,11 +1,11 @@
-//! A process of the group beside the services: the recorder, the bridge, the replayer.
+//! A process of the group beside the services: the recorder, the bridge, the replayer, a node of a user's graph.
 
 use crate::root::{RunRoot, open_lock, wipe};
 use crate::start::processes::{DONE, end_within, this_program};
 use crate::{Error, MachineError};
 use runtime::{enroll_listener, inherit_only};
 use rustix::fs::{FlockOperation, flock};
-use rustix::process::{Pid, Signal, kill_process_group};
+use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::ffi::OsStr;
@@ -31,21 +31,32 @@ impl Attendant {
     /// Starts this program again as `timegap service NAME ROOT ARGUMENTS...`. Its process group is `group`, or a new
     /// one for 0.
     pub fn spawn(
-        name: &'static str,
+        name: &str,
+        arguments: &[&OsStr],
+        root: &RunRoot,
+        group: i32,
+    ) -> Result<Self, Error> {
+        Self::spawn_as(name, name, arguments, root, group)
+    }
+
+    /// The same under another name in `ps`, behind `timegap-`.
+    pub fn spawn_as(
+        shown: &str,
+        name: &str,
         arguments: &[&OsStr],
         root: &RunRoot,
         group: i32,
     ) -> Result<Self, Error> {
         let mut command = this_program(&["service", name])?;
         command
-            .arg0(format!("timegap-{name}"))
+            .arg0(format!("timegap-{shown}"))
             .arg(root.path())
             .args(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .process_group(group);
         inherit_only(&mut command, Some(root.lock()));
-        let error = MachineError::cannot(format!("start the {name}"));
+        let error = MachineError::cannot(format!("start the {shown}"));
         let mut child = command.spawn().map_err(&error)?;
         if name != BRIDGE {
             enroll_listener(root.path(), child.id())?;
@@ -54,7 +65,7 @@ impl Attendant {
         let out = child.stdout.take().expect("piped");
         let (sender, lines) = channel();
         std::thread::Builder::new()
-            .name(format!("{name}-out"))
+            .name(format!("{shown}-out"))
             .spawn(move || {
                 for line in BufReader::new(out).lines().map_while(Result::ok) {
                     if sender.send(line).is_err() {
@@ -89,9 +100,24 @@ impl Attendant {
         }
     }
 
+    pub fn pid(&self) -> i32 {
+        i32::try_from(self.child.id()).expect("process ids are positive and fit")
+    }
+
     pub fn kill(&mut self) {
         // It may be gone by now.
         let _ = self.child.kill();
+    }
+
+    /// Stops it, or lets it go on.
+    pub fn stop(&mut self, is_stopped: bool) {
+        let signal = if is_stopped { Signal::STOP } else { Signal::CONT };
+        if !self.is_gone()
+            && let Some(pid) = Pid::from_raw(self.pid())
+        {
+            // Not waited for yet: the id cannot be another's.
+            let _ = kill_process(pid, signal);
+        }
     }
 
     /// True once the process is gone.

@@ -127,10 +127,10 @@ pub struct Succession {
 
 impl Succession {
     /// The first processes of a service, which are starting.
-    pub fn new(policy: &Supervision, service: messages::Service, with_standby: bool) -> Self {
+    pub fn new(policy: &Supervision, restart: Restart, with_standby: bool) -> Self {
         Self {
             policy: *policy,
-            restart: policy.restart_of(service),
+            restart,
             active: 0,
             phase: Phase::Starting { since_ns: -1 },
             standby: match with_standby {

@@ -1,5 +1,4 @@
 use super::*;
-use messages::Service;
 use proptest::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -14,7 +13,7 @@ fn the_first_restart_is_at_once_and_the_wait_doubles_up_to_its_limit() {
 }
 
 fn machine() -> Succession {
-    let mut machine = Succession::new(&Supervision::default(), Service::Controller, true);
+    let mut machine = Succession::new(&Supervision::default(), Restart::OnFailure, true);
     let mut steps = Vec::new();
     machine.on(Event::Ready(0), 0, &mut steps);
     machine.on(Event::Ready(1), 0, &mut steps);
@@ -107,7 +106,7 @@ impl World {
     fn new() -> Self {
         let processes = [(0, Process::Starting), (1, Process::Starting)].into();
         let policy = Supervision::default();
-        let machine = Succession::new(&policy, Service::Controller, true);
+        let machine = Succession::new(&policy, policy.restart, true);
         let on_their_way = BTreeMap::new();
         Self { machine, processes, on_their_way, epoch: 0, now_ns: 0, given_up: false }
     }

@@ -1,0 +1,148 @@
+//! The work of a cycle: a spin on the thread's processor time, or an answer of a program.
+//!
+//! A program gets a line of JSON on its standard input for each cycle, and answers with a line. The node publishes when
+//! the answer has come. The program has the node's core and priority, and ends with it.
+//!
+//! ```text
+//! {"node":"detect","cycle":17,"inputs":[{"topic":"image","sequence":17,"age_us":812.4}]}
+//! ```
+
+use crate::plan::Node;
+use runtime::scheduling::set_fifo_of;
+use rustix::time::{ClockId, clock_gettime};
+use std::hint::black_box;
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use supervise::MachineError;
+
+/// Processor time between two looks at the clock, ns: a look is a system call.
+const LOOK_NS: i64 = 5_000;
+/// Rounds by which the speed of the processor is measured.
+const PROBE: u64 = 200_000;
+
+/// The work of a node's cycles.
+#[derive(Debug)]
+pub enum Work {
+    /// Rounds of the spin between two looks.
+    Spin(u64),
+    Program(Program),
+}
+
+/// A program that computes for a node.
+#[derive(Debug)]
+pub struct Program {
+    child: Child,
+    input: ChildStdin,
+    output: BufReader<ChildStdout>,
+    answer: String,
+}
+
+impl Work {
+    /// The work of `node`. A spin is calibrated. A program is started, with the node's priority if the node has that
+    /// itself.
+    pub fn of(node: &Node, has_priority: bool) -> Result<Self, MachineError> {
+        let Some((program, arguments)) = node.program.split_first() else {
+            let begun_ns = processor_ns();
+            spin(PROBE);
+            let probe_ns = (processor_ns() - begun_ns).max(1) as u64;
+            return Ok(Self::Spin((PROBE * LOOK_NS.unsigned_abs() / probe_ns).max(1)));
+        };
+        let mut command = Command::new(program);
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
+        runtime::inherit_only(&mut command, None);
+        runtime::die_with_this_thread(&mut command);
+        let failed = MachineError::cannot(format!("start {program}"));
+        let mut child = command.spawn().map_err(failed)?;
+        if has_priority {
+            set_fifo_of(child.id().cast_signed(), node.priority);
+        }
+        let input = child.stdin.take().expect("piped");
+        let output = BufReader::new(child.stdout.take().expect("piped"));
+        Ok(Self::Program(Program { child, input, output, answer: String::new() }))
+    }
+
+    /// Works for `load_ns` of processor time, or until the program has answered `question`.
+    pub fn run(
+        &mut self,
+        load_ns: i64,
+        question: impl FnOnce() -> String,
+    ) -> Result<(), MachineError> {
+        match self {
+            Self::Spin(rounds) => {
+                let end_ns = processor_ns() + load_ns;
+                while load_ns > 0 && processor_ns() < end_ns {
+                    spin(*rounds);
+                }
+                Ok(())
+            }
+            Self::Program(program) => program.ask(&question()),
+        }
+    }
+}
+
+impl Program {
+    fn ask(&mut self, question: &str) -> Result<(), MachineError> {
+        let failed = MachineError::cannot("ask the node's program");
+        writeln!(self.input, "{question}").map_err(failed)?;
+        self.answer.clear();
+        let failed = MachineError::cannot("hear the node's program");
+        match self.output.read_line(&mut self.answer).map_err(failed)? {
+            0 => Err(MachineError("the node's program ended without an answer".to_owned())),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // Its own child; after its end this does nothing.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Processor time of this thread so far, ns.
+fn processor_ns() -> i64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec * 1_000_000_000 + time.tv_nsec
+}
+
+/// Rounds that each depend on the previous one.
+fn spin(rounds: u64) {
+    let mut state = 1_u64;
+    for _ in 0..rounds {
+        state = black_box(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Graph;
+
+    fn node(line: &str) -> Node {
+        let text = format!(
+            "name = \"one\"\ntopics = {{}}\n[[nodes]]\nname = \"x\"\nperiod_ms = 1\n{line}\n"
+        );
+        Graph::parse("one.toml", &text).expect("right").nodes.remove(0)
+    }
+
+    #[test]
+    fn a_spin_takes_its_processor_time_and_not_much_more_rounds_than_asked() {
+        let mut work = Work::of(&node(""), false).expect("calibrated");
+        let begun_ns = processor_ns();
+        work.run(2_000_000, String::new).expect("a spin does not fail");
+        assert!(processor_ns() - begun_ns >= 2_000_000);
+    }
+
+    #[test]
+    fn a_program_answers_each_question_and_one_that_ends_is_an_error() {
+        let mut work = Work::of(&node("program = \"cat\""), false).expect("started");
+        for _ in 0..3 {
+            work.run(0, || "{}".to_owned()).expect("it answers");
+        }
+        let mut work = Work::of(&node("program = \"true\""), false).expect("started");
+        let said = (0..2).find_map(|_| work.run(0, || "{}".to_owned()).err()).expect("it ended");
+        assert!(said.to_string().contains("the node's program"), "{said}");
+    }
+}
