@@ -41,11 +41,15 @@ impl Work {
     /// The work of `node`. A spin is calibrated. A program is started, with the node's priority if the node has that
     /// itself.
     pub fn of(node: &Node, has_priority: bool) -> Result<Self, MachineError> {
-        let Some((program, arguments)) = node.program.split_first() else {
+        let Some(command) = &node.program else {
             let begun_ns = processor_ns();
             spin(PROBE);
             let probe_ns = (processor_ns() - begun_ns).max(1) as u64;
             return Ok(Self::Spin((PROBE * LOOK_NS.unsigned_abs() / probe_ns).max(1)));
+        };
+        let words = shlex::split(command).unwrap_or_default();
+        let Some((program, arguments)) = words.split_first() else {
+            return Err(MachineError(format!("cannot start `{command}`")));
         };
         let mut command = Command::new(program);
         command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
@@ -54,7 +58,7 @@ impl Work {
         let failed = MachineError::cannot(format!("start {program}"));
         let mut child = command.spawn().map_err(failed)?;
         if has_priority {
-            set_fifo_of(child.id().cast_signed(), node.priority);
+            set_fifo_of(child.id().cast_signed(), node.priority.value());
         }
         let input = child.stdin.take().expect("piped");
         let output = BufReader::new(child.stdout.take().expect("piped"));

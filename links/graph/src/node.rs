@@ -1,18 +1,17 @@
 //! The process of a node: its ports, its releases, its cycles.
 //!
 //! ```text
-//! ports open ─ ready ─ start ─┬─► take what came ─► a callback is due? ─► work ─► publish, wake readers ─┐
-//!                             │                     none: sleep to the next timer, or until woken        │
-//!                             └──────────────────────────────────────────────────────────────────────────┘
+//! ports open ─ ready ─ start ─┬─► take what came ─► released? ─► work ─► publish, wake readers ─┐
+//!                             │                     no: sleep to the timer, or until woken      │
+//!                             └─────────────────────────────────────────────────────────────────┘
 //! ```
 //!
 //! A standby has its ports open and waits. It takes the node's epoch when the active process ends or makes no progress.
 
 use crate::load::Work;
-use crate::page::Page;
-use crate::plan::Graph;
+use crate::plan::{Graph, Node, ns};
 use crate::ports::{Input, Output};
-use crate::times::{NodeCounts, Reactions};
+use crate::times::{NodeCounts, Page, Reactions};
 use messages::{Header, Origins};
 use runtime::scheduling::{Granted, Policy, Request, apply, usable_cores};
 use runtime::{
@@ -21,34 +20,24 @@ use runtime::{
 };
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, pidfd_open};
+use scenario::supervision::Supervision;
+use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use supervise::{Error, UsageError};
 
-/// Longest wait before the loop shows that it lives.
+/// Longest wait before the loop shows that it lives, ns.
 pub const LOOK_NS: i64 = 50_000_000;
 /// Exit status of a process that another one replaced.
 const REPLACED: u8 = 3;
 
-/// One callback of the node.
-#[derive(Debug)]
-struct Callback {
-    /// Next release of its timer, ns.
-    due_ns: Option<i64>,
-    /// Messages of each input that it has used.
-    used: Vec<u64>,
-    /// Chains through it.
-    hops: Vec<Hop>,
-}
-
 /// A chain at this node.
-#[derive(Debug)]
 struct Hop {
     chain: usize,
-    /// Input that brings it here, and the place of its trail in a message; none at the source.
-    input: Option<(usize, std::ops::Range<usize>)>,
+    /// Input that brings it here; none at the source.
+    input: Option<usize>,
     /// Stamps so far; empty while no message has come.
     trail: Vec<i64>,
     /// The reactions of a chain that ends here.
@@ -56,80 +45,66 @@ struct Hop {
 }
 
 struct Process<'a> {
-    graph: &'a Graph,
+    of: &'a Node,
     node: usize,
     incarnation: u32,
     link: Link,
     page: Page,
+    /// The triggers first.
     inputs: Vec<Input>,
     outputs: Vec<Output>,
-    callbacks: Vec<Callback>,
+    hops: Vec<Hop>,
     counts: NodeCounts,
-    work: Work,
-    idle_ns: i64,
-    start_ns: i64,
     /// Turns of its loops, by which others see that it lives.
     turns: u64,
+    work: Work,
+    start_ns: i64,
+    /// Next release of its timer, ns.
+    due_ns: i64,
+    idle_ns: i64,
 }
 
-/// Runs a process of a node. `arguments` are the run's root, the node and the incarnation.
+/// Runs a process of a node: `node` and `incarnation` are numbers.
 pub fn run(root: &Path, node: &str, incarnation: &str) -> Result<ExitCode, Error> {
-    let not_one = || UsageError::at("timegap service node", "other arguments", "a node of a graph");
-    let parsed = node.parse::<usize>().ok().zip(incarnation.parse::<u32>().ok());
-    let (node, incarnation) = parsed.ok_or_else(not_one)?;
     runtime::log_warnings();
     let graph = Graph::read(root)?;
-    if node >= graph.nodes.len() {
-        return Err(not_one().into());
-    }
-    let group = Group::read(root)?;
-    let guest = Guest::join(group.clone(), &graph.nodes[node].name)?;
-    match live(&graph, node, incarnation, &group, &guest) {
-        Ok(code) => Ok(code),
-        Err(error) => {
-            let line = serde_json::to_string(&FromService::Failed(error.to_string()));
-            println!("{}", line.expect("a string is plain data"));
-            Ok(ExitCode::FAILURE)
-        }
-    }
+    let node = node.parse().ok().filter(|node| *node < graph.nodes.len());
+    let (Some(node), Ok(incarnation)) = (node, incarnation.parse()) else {
+        let expected = "a node of a graph";
+        return Err(UsageError::at("timegap service node", "other arguments", expected).into());
+    };
+    let code = live(&graph, node, incarnation, &Group::read(root)?);
+    Ok(code.unwrap_or_else(|error| {
+        let line = serde_json::to_string(&FromService::Failed(error.to_string()));
+        println!("{}", line.expect("a string is plain data"));
+        ExitCode::FAILURE
+    }))
 }
 
-fn live(
-    graph: &Graph,
-    node: usize,
-    incarnation: u32,
-    group: &Group,
-    guest: &Guest,
-) -> Result<ExitCode, Error> {
-    let (mut this, granted) = Process::open(graph, node, incarnation, group, guest)?;
+fn live(graph: &Graph, node: usize, incarnation: u32, group: &Group) -> Result<ExitCode, Error> {
+    let guest = Guest::join(group.clone(), graph.nodes[node].name.as_str())?;
+    let (mut this, granted) = Process::open(graph, node, incarnation, group, &guest)?;
     this.link.send(FromService::Ready(granted))?;
     let order = match this.link.wait_for_start() {
-        Ok(order) => order,
         Err(RuntimeError::Stopped) => return Ok(ExitCode::SUCCESS),
-        Err(error) => return Err(error.into()),
+        order => order?,
     };
     let speaks = match order.standby_for {
         Some(active) => this.stand_by(active, group)?,
-        None => !graph.nodes[node].standby || epoch::claim(this.page.epoch(node), incarnation),
+        None => !this.of.standby || epoch::claim(this.page.epoch(node), incarnation),
     };
-    if !speaks {
-        return Ok(ExitCode::from(if this.link.is_over() { 0 } else { REPLACED }));
-    }
-    let goes_on = this.cycles(order.start_ns)?;
-    Ok(ExitCode::from(if goes_on { 0 } else { REPLACED }))
+    let goes_on = speaks && this.cycles(order.start_ns)?;
+    Ok(ExitCode::from(if goes_on || this.link.is_over() { 0 } else { REPLACED }))
 }
 
-/// The scheduling that a node asks for. Without a core of its own it shares the last one that this process may use.
-pub fn request(graph: &Graph, node: usize) -> Request {
-    let of = &graph.nodes[node];
-    Request {
-        policy: match graph.scheduling {
-            bench::setup::Scheduling::Fifo => Policy::Fifo(of.priority),
-            bench::setup::Scheduling::Other => Policy::Other,
-        },
-        core: of.core.or(usable_cores().last().copied()),
-        lock_memory: true,
-    }
+/// The scheduling of a node. Without a core of its own it shares the last one that this process may use.
+pub fn request(graph: &Graph, node: &Node) -> Request {
+    let policy = match graph.scheduling {
+        bench::setup::Scheduling::Fifo => Policy::Fifo(node.priority.value()),
+        bench::setup::Scheduling::Other => Policy::Other,
+    };
+    let core = node.core.map(|core| core.value().into()).or(usable_cores().last().copied());
+    Request { policy, core, lock_memory: true }
 }
 
 impl<'a> Process<'a> {
@@ -141,78 +116,74 @@ impl<'a> Process<'a> {
         guest: &Guest,
     ) -> Result<(Self, Granted), Error> {
         let of = &graph.nodes[node];
-        let mut inputs: Vec<Input> = Vec::new();
-        for topic in of.callbacks.iter().flat_map(|callback| &callback.reads) {
-            if inputs.iter().all(|input| input.topic != *topic) {
-                inputs.push(Input::open(graph, *topic, node, group, guest)?);
-            }
+        let inputs = of.inputs().map(|topic| Input::open(graph, topic, node, group, guest));
+        let inputs: Vec<Input> = inputs.collect::<Result<_, _>>()?;
+        let outputs = of.publishes.iter().map(|topic| Output::open(graph, topic, group, guest));
+        let outputs = outputs.collect::<Result<_, _>>()?;
+        let mut hops = Vec::new();
+        for (chain, path) in graph.chains.iter().map(|chain| &chain.path).enumerate() {
+            let Some(place) = path.iter().position(|name| name == of.name.as_str()) else {
+                continue;
+            };
+            let topic = place.checked_sub(1).and_then(|before| graph.link(chain, before));
+            let input = topic.and_then(|topic| inputs.iter().position(|one| one.topic == *topic));
+            let ends = place + 1 == path.len();
+            let reactions = ends.then(|| Reactions::open(graph, chain, group)).transpose()?;
+            hops.push(Hop { chain, input, trail: Vec::new(), reactions });
         }
-        let mut outputs = Vec::new();
-        for topic in of.callbacks.iter().flat_map(|callback| &callback.publishes) {
-            outputs.push(Output::open(graph, *topic, group, guest)?);
-        }
-        let mut callbacks = Vec::new();
-        for number in 0..of.callbacks.len() {
-            let used = vec![0; of.callbacks[number].reads.len()];
-            let mut hops = Vec::new();
-            for (chain, path) in graph.chains.iter().enumerate() {
-                let is_here = |hop: &crate::plan::Hop| hop.node == node && hop.callback == number;
-                let Some(place) = path.path.iter().position(is_here) else { continue };
-                let input = path.path[place].topic.map(|topic| {
-                    let input = inputs.iter().position(|input| input.topic == topic);
-                    let trail = crate::trail::place(&graph.topics[topic], chain);
-                    (input.expect("it is read"), trail.expect("the chain goes over it"))
-                });
-                let reactions = (place + 1 == path.path.len())
-                    .then(|| Reactions::open(graph, chain, group))
-                    .transpose()?;
-                hops.push(Hop { chain, input, trail: Vec::with_capacity(256), reactions });
-            }
-            callbacks.push(Callback { due_ns: None, used, hops });
-        }
-        let link = Link::open()?;
-        let granted = apply(&request(graph, node));
+        let mut counts = NodeCounts::open(node, group)?;
+        counts.own.begin_account(incarnation)?;
+        let (page, link) = (Page::map(group)?, Link::open()?);
+        let granted = apply(&request(graph, of));
+        let work = Work::of(of, granted.granted == granted.requested)?;
+        let (turns, start_ns, due_ns, idle_ns) = (0, 0, 0, 0);
         let this = Self {
-            graph,
+            of,
             node,
             incarnation,
             link,
-            page: Page::map(group)?,
+            page,
             inputs,
             outputs,
-            callbacks,
-            counts: NodeCounts::open(node, Some(incarnation), group)?,
-            work: Work::of(of, granted.granted == granted.requested)?,
-            idle_ns: 0,
-            start_ns: 0,
-            turns: 0,
+            hops,
+            counts,
+            turns,
+            work,
+            start_ns,
+            due_ns,
+            idle_ns,
         };
         Ok((this, granted))
     }
 
+    /// Shows that the loop lives; false once the run is over.
+    fn turn(&mut self) -> bool {
+        self.turns += 1;
+        self.counts.own.show_progress(self.turns);
+        !self.link.is_over()
+    }
+
     /// Stands by for `active`; true once this process has the node, false if it is not to have it.
     fn stand_by(&mut self, active: ActiveProcess, group: &Group) -> Result<bool, Error> {
-        let load_ns = self.graph.nodes[self.node].callbacks.iter().map(|c| c.load_ns).max();
-        let period_ns = LOOK_NS + 2 * load_ns.unwrap_or_default();
-        let timeout_ms = scenario::supervision::Supervision::default().standby_timeout_ms;
+        let timeout_ms = Supervision::default().standby_timeout_ms;
         let timeout_ns = timeout_ms.nanoseconds().cast_signed();
+        let period_ns = LOOK_NS + 2 * self.of.load_ns();
         let mut watch = CycleWatch::new(monotonic_ns(), period_ns, timeout_ns);
-        let progress = NodeCounts::progress(self.node, active.incarnation, group);
+        let progress = NodeCounts::open(self.node, group)?.own.progress(active.incarnation);
         let pidfd =
             Pid::from_raw(active.pid).and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok());
         let look = Timespec { tv_sec: 0, tv_nsec: timeout_ns / 4 };
         let cause = loop {
-            if self.link.is_over() {
+            if !self.turn() {
                 return Ok(false);
             }
-            self.turn();
             // One that has no pidfd was gone before.
             let Some(pidfd) = &pidfd else { break Cause::Gone };
             if matches!(poll(&mut [PollFd::new(pidfd, PollFlags::IN)], Some(&look)), Ok(1..)) {
                 break Cause::Gone;
             }
-            let cycles = progress.as_ref().map_or(0, runtime::Progress::cycles);
-            if watch.is_silent(monotonic_ns(), cycles) {
+            let turns = progress.as_ref().map_or(0, runtime::Progress::cycles);
+            if watch.is_silent(monotonic_ns(), turns) {
                 break Cause::Silent;
             }
         };
@@ -220,164 +191,118 @@ impl<'a> Process<'a> {
         let word = self.page.epoch(self.node);
         let took = epoch::take_over(word, active.incarnation, self.incarnation);
         if took {
-            let take_over = TakeOver { cause, noticed_ns, sent_ns: monotonic_ns() };
-            self.link.send(FromService::TookOver(take_over))?;
+            let sent_ns = monotonic_ns();
+            self.link.send(FromService::TookOver(TakeOver { cause, noticed_ns, sent_ns }))?;
         }
         Ok(took)
     }
 
     /// Runs cycles until the run is over; false if another process has the node.
     fn cycles(&mut self, start_ns: i64) -> Result<bool, Error> {
-        self.start_ns = start_ns;
-        let now_ns = monotonic_ns();
-        for (callback, of) in self.callbacks.iter_mut().zip(&self.graph.nodes[self.node].callbacks)
-        {
+        self.idle_ns = monotonic_ns();
+        (self.start_ns, self.due_ns) = (start_ns, start_ns);
+        let period_ns = self.of.period_ms.map(ns);
+        if let Some(period_ns) = period_ns {
             // A process that comes later goes on in the same grid.
-            callback.due_ns = of.period_ns.map(|period_ns| {
-                let missed = (now_ns - start_ns).max(0) as u64;
-                start_ns + missed.div_ceil(period_ns.unsigned_abs()).cast_signed() * period_ns
-            });
+            let missed = (self.idle_ns - start_ns).max(0).unsigned_abs();
+            let periods = missed.div_ceil(period_ns.unsigned_abs());
+            self.due_ns += periods.cast_signed() * period_ns;
         }
-        self.idle_ns = now_ns;
-        while !self.link.is_over() {
-            self.turn();
+        while self.turn() {
             let seen = self.page.wake(self.node).load(Ordering::Acquire);
             for input in &mut self.inputs {
-                input.take(self.graph, &self.page, start_ns)?;
+                input.take(&self.page, start_ns)?;
             }
-            let now_ns = monotonic_ns();
-            match self.due(now_ns) {
-                Some((callback, due_ns)) => {
-                    if !self.cycle(callback, due_ns)? {
-                        return Ok(false);
-                    }
-                    self.idle_ns = monotonic_ns();
-                }
-                None => self.wait(seen, now_ns)?,
+            match self.released_ns(period_ns) {
+                Some(release_ns) if !self.cycle(release_ns)? => return Ok(false),
+                Some(_) => self.idle_ns = monotonic_ns(),
+                None => self.wait(seen, period_ns.is_some())?,
             }
         }
         Ok(true)
     }
 
-    /// Shows that the loop lives.
-    fn turn(&mut self) {
-        self.turns += 1;
-        self.counts.show_progress(self.turns);
-    }
-
-    /// The callback that was released first, with its release.
-    fn due(&mut self, now_ns: i64) -> Option<(usize, i64)> {
-        let released = (0..self.callbacks.len()).filter_map(|number| {
-            let release_ns = self.callbacks[number].due_ns.map_or_else(
-                || self.triggered_ns(number),
-                |due_ns| Some(due_ns).filter(|due_ns| *due_ns <= now_ns),
-            );
-            Some((number, release_ns?))
-        });
-        let (number, release_ns) = released.min_by_key(|(_, release_ns)| *release_ns)?;
-        let Some(period_ns) = self.graph.nodes[self.node].callbacks[number].period_ns else {
-            return Some((number, release_ns));
+    /// The release that is due: of the timer, or the publication by which each trigger has a new message.
+    fn released_ns(&mut self, period_ns: Option<i64>) -> Option<i64> {
+        let Some(period_ns) = period_ns else {
+            let triggers = &self.inputs[..self.of.trigger.len()];
+            let is_new = |input: &Input| input.arrived > input.used;
+            let all = triggers.iter().all(is_new);
+            return triggers.iter().map(|input| input.sent_ns).max().filter(|_| all);
         };
+        let late_ns = monotonic_ns() - self.due_ns;
+        if late_ns < 0 {
+            return None;
+        }
         // Whole periods that were missed are left out.
-        let missed = (now_ns - release_ns) / period_ns;
+        let missed = late_ns / period_ns;
         self.counts.skipped.add(missed.unsigned_abs());
-        let release_ns = release_ns + missed * period_ns;
-        self.callbacks[number].due_ns = Some(release_ns + period_ns);
-        Some((number, release_ns))
-    }
-
-    /// Publication of the message by which each trigger of a callback has a new one, ns.
-    fn triggered_ns(&self, number: usize) -> Option<i64> {
-        let of = &self.graph.nodes[self.node].callbacks[number];
-        let mut triggers = of.trigger.iter().zip(&self.callbacks[number].used);
-        triggers.try_fold(0, |latest_ns: i64, (topic, used)| {
-            let input = self.inputs.iter().find(|input| input.topic == *topic)?;
-            (input.arrived > *used).then(|| latest_ns.max(input.sent_ns))
-        })
+        let release_ns = self.due_ns + missed * period_ns;
+        self.due_ns = release_ns + period_ns;
+        Some(release_ns)
     }
 
     /// One cycle; false if another process has the node.
-    fn cycle(&mut self, number: usize, due_ns: i64) -> Result<bool, Error> {
+    fn cycle(&mut self, due_ns: i64) -> Result<bool, Error> {
         let start_ns = monotonic_ns();
-        let (graph, node) = (self.graph, self.node);
-        let of = &graph.nodes[node].callbacks[number];
-        let callback = &mut self.callbacks[number];
-        for (topic, used) in of.reads.iter().zip(&mut callback.used) {
-            let found = self.inputs.iter_mut().find(|input| input.topic == *topic);
-            let input = found.expect("all that is read is open");
-            input.counts.unused.add((input.arrived - *used).saturating_sub(1));
-            *used = input.arrived;
-        }
-        for hop in &mut callback.hops {
+        self.inputs.iter_mut().for_each(Input::use_newest);
+        for hop in &mut self.hops {
             hop.trail.clear();
-            let begun = match &hop.input {
-                None => {
-                    hop.trail.push(due_ns);
-                    true
-                }
-                Some((input, place)) => {
-                    let message = &self.inputs[*input].newest;
-                    message
-                        .get(place.clone())
-                        .is_some_and(|b| crate::trail::stamps(b, &mut hop.trail))
-                }
-            };
-            if begun {
-                hop.trail.extend([due_ns, self.idle_ns, start_ns]);
-            } else {
-                hop.trail.clear();
+            match hop.input.map(|input| &self.inputs[input]) {
+                None => hop.trail.push(due_ns),
+                Some(input) => input.layout.trail(&input.newest, hop.chain, &mut hop.trail),
+            }
+            if !hop.trail.is_empty() {
+                // The end is stamped with each publication.
+                hop.trail.extend([due_ns, self.idle_ns, start_ns, start_ns]);
             }
         }
-        let (cycle, name) = (self.counts.cycles.get() + 1, &graph.nodes[node].name);
-        let inputs = &self.inputs;
-        self.work
-            .run(of.load_ns, || crate::ports::question(graph, name, cycle, inputs, start_ns))?;
-        if graph.nodes[node].standby && !epoch::may_send(self.page.epoch(node), self.incarnation) {
+        self.counts.cycles.add(1);
+        let cycle = self.counts.cycles.get();
+        self.work.run(self.of.load_ns(), || {
+            let came = self.inputs.iter().filter(|input| input.arrived > 0);
+            let inputs: Vec<_> = came.map(|input| input.question(start_ns)).collect();
+            json!({"node": self.of.name.as_str(), "cycle": cycle, "inputs": inputs}).to_string()
+        })?;
+        if self.of.standby && !epoch::may_send(self.page.epoch(self.node), self.incarnation) {
             return Ok(false);
         }
-        let mut end_ns = monotonic_ns();
-        for topic in &of.publishes {
-            let found = self.outputs.iter_mut().find(|output| output.topic == *topic);
-            let output = found.expect("all that is published is open");
-            end_ns = monotonic_ns();
+        let mut outputs = self.outputs.iter_mut();
+        let end_ns = loop {
+            let end_ns = monotonic_ns();
+            for end in self.hops.iter_mut().filter_map(|hop| hop.trail.last_mut()) {
+                *end = end_ns;
+            }
+            let Some(output) = outputs.next() else { break end_ns };
             let mut header = Header::new(cycle, due_ns, Origins::NONE);
             (header.publish_ns, header.incarnation) = (end_ns, self.incarnation);
-            for hop in callback.hops.iter_mut().filter(|hop| !hop.trail.is_empty()) {
-                // Every topic has the instant of its own publication.
-                let stamped = hop.trail.len() % crate::trail::STAMPS == 1;
-                hop.trail.truncate(hop.trail.len() - usize::from(stamped));
-                hop.trail.push(end_ns);
-            }
-            let trails = callback.hops.iter().map(|hop| (hop.chain, hop.trail.as_slice()));
-            output.send(graph, header, trails)?;
-            for reader in &graph.topics[*topic].releases {
-                wake_word(self.page.wake(*reader));
-            }
-        }
-        for hop in &mut callback.hops {
-            if let Some(reactions) = hop.reactions.as_mut().filter(|_| !hop.trail.is_empty()) {
-                if hop.trail.len() % crate::trail::STAMPS != 1 {
-                    hop.trail.push(end_ns);
-                }
+            let of = |chain| self.hops.iter().find(|hop| hop.chain == chain);
+            output.send(header, |chain| of(chain).map(|hop| hop.trail.as_slice()))?;
+            output.releases.iter().for_each(|reader| wake_word(self.page.wake(*reader)));
+        };
+        for hop in self.hops.iter_mut().filter(|hop| !hop.trail.is_empty()) {
+            if let Some(reactions) = &mut hop.reactions {
                 reactions.count(&hop.trail, (self.start_ns, end_ns), &self.page);
             }
         }
-        self.counts.cycle(start_ns - due_ns, end_ns - start_ns);
+        self.counts.jitter.record_ns(start_ns - due_ns);
+        self.counts.work.record_ns(end_ns - start_ns);
         Ok(true)
     }
 
     /// Waits for the next release.
-    fn wait(&self, seen: u32, now_ns: i64) -> Result<(), Error> {
-        let timers = self.callbacks.iter().filter_map(|callback| callback.due_ns);
+    fn wait(&self, seen: u32, has_timer: bool) -> Result<(), Error> {
+        let now_ns = monotonic_ns();
+        let timer = has_timer.then_some(self.due_ns);
         let delayed = self.inputs.iter().filter_map(Input::delayed_until_ns);
-        let until_ns = timers.chain(delayed).min().unwrap_or(i64::MAX).min(now_ns + LOOK_NS);
-        if self.callbacks.iter().all(|callback| callback.due_ns.is_some()) {
+        let until_ns = delayed.chain(timer).min().unwrap_or(i64::MAX).min(now_ns + LOOK_NS);
+        if has_timer {
             sleep_until(until_ns);
             return Ok(());
         }
         let timeout = Duration::from_nanos((until_ns - now_ns).max(0).unsigned_abs());
-        wait_word(self.page.wake(self.node), seen, timeout)
-            .map_err(supervise::MachineError::cannot("wait for a message"))?;
-        Ok(())
+        let word = self.page.wake(self.node);
+        let failed = supervise::MachineError::cannot("wait for a message");
+        Ok(wait_word(word, seen, timeout).map_err(failed)?)
     }
 }

@@ -1,352 +1,358 @@
-//! The graph that is run: a file whose names are resolved, with the rules of a graph.
+//! The graph of a file: its tables and keys (docs/graph.md shows one), and its rules.
 //!
 //! * A topic has one writer.
-//! * Each callback is released, directly or not, by a node with a period.
+//! * Each node is released, directly or not, by a node with a period.
 //! * Each node of a chain reads what the node before it publishes.
 
-use crate::file::{FaultTable, File, unknown};
 use bench::setup::Scheduling;
+use scenario::name::{Line, Name};
+use scenario::quantity::{Core, DelayMs, Duration, Priority, Time};
 use scenario::{Problem, ScenarioError, accepted};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Graph {
-    pub name: String,
-    pub description: String,
-    pub duration_s: f64,
+    pub name: Name,
+    #[serde(default)]
+    pub description: Line,
+    /// Length of the measurement, s.
+    #[serde(default = "five")]
+    pub duration_s: Duration,
+    #[serde(default = "fifo")]
     pub scheduling: Scheduling,
-    pub topics: Vec<Topic>,
+    /// Length of each topic's messages, bytes.
+    pub topics: BTreeMap<String, u64>,
     pub nodes: Vec<Node>,
+    #[serde(default)]
     pub chains: Vec<Chain>,
+    #[serde(default)]
     pub faults: Vec<Fault>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Topic {
-    pub name: String,
-    pub bytes: usize,
-    /// Node that publishes it; none: nothing does.
-    pub writer: Option<usize>,
-    /// Nodes that read it.
-    pub readers: Vec<usize>,
-    /// Nodes that it helps to release.
-    pub releases: Vec<usize>,
-    /// Chains that go over it, each with its number of nodes up to here.
-    pub chains: Vec<(usize, usize)>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Node {
-    pub name: String,
-    pub core: Option<usize>,
-    pub priority: u8,
+    pub name: Name,
+    /// CPU; without the key the last that this process may use.
+    pub core: Option<Core>,
+    /// Priority under SCHED_FIFO.
+    #[serde(default = "eighty")]
+    pub priority: Priority,
+    /// A second process of the node waits to take over.
+    #[serde(default)]
     pub standby: bool,
-    /// Words of its program's command; empty: it spins.
-    pub program: Vec<String>,
-    pub callbacks: Vec<Callback>,
+    /// Period of its timer.
+    pub period_ms: Option<f64>,
+    /// Topics that release it, each with a new message.
+    #[serde(default)]
+    pub trigger: Vec<String>,
+    /// Topics of which it takes the newest message.
+    #[serde(default)]
+    pub reads: Vec<String>,
+    #[serde(default)]
+    pub publishes: Vec<String>,
+    /// Processor time of a cycle.
+    #[serde(default)]
+    pub load_us: f64,
+    /// Command of a program that computes in place of the load.
+    pub program: Option<String>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Callback {
-    /// Period of its timer, ns; `None`: its triggers release it.
-    pub period_ns: Option<i64>,
-    /// Topics of which each must have a new message.
-    pub trigger: Vec<usize>,
-    /// All topics that it reads, the triggers first.
-    pub reads: Vec<usize>,
-    pub publishes: Vec<usize>,
-    pub load_ns: i64,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Chain {
-    pub name: String,
-    pub path: Vec<Hop>,
-    pub deadline_ns: Option<i64>,
+    pub name: Line,
+    /// Nodes from the source to the last one.
+    pub path: Vec<String>,
+    pub deadline_ms: Option<f64>,
+    /// Late reactions that are accepted.
+    #[serde(default)]
     pub max_misses: u64,
 }
 
-/// A node on a chain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Hop {
-    pub node: usize,
-    pub callback: usize,
-    /// Topic that brings the chain here; none at its source.
-    pub topic: Option<usize>,
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Fault {
+    Kill {
+        node: String,
+        at_s: Time,
+    },
+    Stop {
+        node: String,
+        at_s: Time,
+        for_s: Duration,
+    },
+    /// Messages of a topic reach their readers later.
+    Delay {
+        topic: String,
+        at_s: Time,
+        for_s: Duration,
+        delay_ms: DelayMs,
+    },
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Fault {
-    pub at_ns: i64,
-    /// Its length, ns; 0 for a kill.
-    pub for_ns: i64,
-    pub act: Act,
+fn five() -> Duration {
+    Duration::of(5.0)
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Act {
-    Kill(usize),
-    Stop(usize),
-    /// Topic, and the delay of its messages, ns.
-    Delay(usize, i64),
-    Hog(Option<u16>),
+fn fifo() -> Scheduling {
+    Scheduling::Fifo
 }
 
-/// Priority of a node without one of its own: the controller's neighbourhood in a car's group.
-const PRIORITY: u8 = 80;
+fn eighty() -> Priority {
+    Priority::of(80)
+}
+
+/// Most nodes, and most chains.
+pub const MOST: usize = 100;
+/// Shortest and longest message, bytes.
+const BYTES: (f64, f64) = (1.0, (16 << 20) as f64);
+/// Shortest and longest period or deadline, ms.
+const PERIOD_MS: (f64, f64) = (0.05, 60_000.0);
+
+/// ns of a time in ms.
+pub fn ns(ms: f64) -> i64 {
+    (1e6 * ms).round() as i64
+}
+
+impl Node {
+    /// All topics that it reads, the triggers first.
+    pub fn inputs(&self) -> impl Iterator<Item = &String> {
+        let others = self.reads.iter().filter(|topic| !self.trigger.contains(topic));
+        self.trigger.iter().chain(others)
+    }
+
+    pub fn load_ns(&self) -> i64 {
+        ns(self.load_us / 1e3)
+    }
+}
+
+impl Chain {
+    pub fn deadline_ns(&self) -> Option<i64> {
+        self.deadline_ms.map(ns)
+    }
+}
+
+impl Fault {
+    /// The node that it acts on.
+    pub fn node(&self) -> Option<&String> {
+        match self {
+            Self::Kill { node, .. } | Self::Stop { node, .. } => Some(node),
+            Self::Delay { .. } => None,
+        }
+    }
+
+    /// Run time of its begin and its end, ns.
+    pub fn span_ns(&self) -> (i64, i64) {
+        let (at_s, for_ns) = match self {
+            Self::Kill { at_s, .. } => (at_s, 0),
+            Self::Stop { at_s, for_s, .. } | Self::Delay { at_s, for_s, .. } => {
+                (at_s, for_s.nanoseconds())
+            }
+        };
+        let at_ns = at_s.nanoseconds();
+        (at_ns.cast_signed(), (at_ns + for_ns).cast_signed())
+    }
+}
 
 impl Graph {
     /// Reads the text of a graph. `source` stands for it in errors.
     pub fn parse(source: &str, text: &str) -> Result<Self, ScenarioError> {
-        let mut graph = None;
-        scenario::read_as(source, text, |file: &File| {
-            file.check()?;
-            graph = Some(Self::of(file)?);
-            Ok(())
-        })?;
-        Ok(graph.expect("the check resolved it"))
+        scenario::read_as(source, text, Self::check)
     }
 
-    fn of(file: &File) -> Result<Self, Problem> {
-        let topic = |name: &String| file.topics.keys().position(|known| known == name);
-        let topics = |names: &[String]| -> Vec<usize> { names.iter().filter_map(topic).collect() };
-        let mut graph = Self {
-            name: file.name.as_str().to_owned(),
-            description: file.description.as_str().to_owned(),
-            duration_s: file.duration_s.value(),
-            scheduling: file.scheduling,
-            topics: (file.topics.iter())
-                .map(|(name, bytes)| Topic {
-                    name: name.clone(),
-                    bytes: *bytes as usize,
-                    writer: None,
-                    readers: Vec::new(),
-                    releases: Vec::new(),
-                    chains: Vec::new(),
-                })
-                .collect(),
-            nodes: Vec::new(),
-            chains: Vec::new(),
-            faults: Vec::new(),
+    /// Place of the node of this name.
+    pub fn node(&self, name: &str) -> Option<usize> {
+        self.nodes.iter().position(|node| node.name.as_str() == name)
+    }
+
+    /// Node that publishes a topic.
+    pub fn writer(&self, topic: &str) -> Option<usize> {
+        self.nodes.iter().position(|node| node.publishes.iter().any(|one| one == topic))
+    }
+
+    /// Nodes that read a topic.
+    pub fn readers(&self, topic: &str) -> impl Iterator<Item = (usize, &Node)> {
+        let reads = move |(_, node): &(usize, &Node)| node.inputs().any(|one| one == topic);
+        self.nodes.iter().enumerate().filter(reads)
+    }
+
+    /// Topic that leads a chain from its node at `place` to the next.
+    pub fn link(&self, chain: usize, place: usize) -> Option<&String> {
+        let path = &self.chains[chain].path;
+        let from = &self.nodes[self.node(path.get(place)?)?];
+        let to = &self.nodes[self.node(path.get(place + 1)?)?];
+        to.inputs().find(|topic| from.publishes.contains(topic))
+    }
+
+    /// Chains that go over a topic, each with its number of nodes up to there.
+    pub fn chains_over(&self, topic: &str) -> Vec<(usize, usize)> {
+        let of = |chain: usize| {
+            let places = 0..self.chains[chain].path.len();
+            let place =
+                places.into_iter().find(|&p| self.link(chain, p).is_some_and(|t| t == topic));
+            Some((chain, place? + 1))
         };
-        let mut paths = Vec::new();
-        for (index, table) in file.nodes.iter().enumerate() {
-            let path = format!("nodes.{index}");
-            let program = match &table.program {
-                None => Vec::new(),
-                Some(command) => words(&format!("{path}.program"), command)?,
-            };
-            let callbacks = table.paths(&path);
-            let callback = |(_, table): &(String, crate::file::CallbackTable)| {
-                let trigger = topics(table.trigger.as_deref().unwrap_or_default());
-                let others = topics(&table.reads).into_iter().filter(|one| !trigger.contains(one));
-                Callback {
-                    period_ns: table.period_ms.map(ns),
-                    reads: trigger.iter().copied().chain(others).collect(),
-                    trigger,
-                    publishes: topics(&table.publishes),
-                    load_ns: ns(table.load_us / 1e3),
-                }
-            };
-            graph.nodes.push(Node {
-                name: table.name.as_str().to_owned(),
-                core: table.core.map(|core| core.value().into()),
-                priority: table.priority.map_or(PRIORITY, |priority| priority.value()),
-                standby: table.standby,
-                program,
-                callbacks: callbacks.iter().map(callback).collect(),
-            });
-            paths.push(callbacks.into_iter().map(|(path, _)| path).collect::<Vec<_>>());
-        }
-        graph.connect(&paths)?;
-        graph.check_releases(&paths)?;
-        for (index, table) in file.chains.iter().enumerate() {
-            let path = graph.path(&format!("chains.{index}.path"), &table.path)?;
-            for (place, hops) in path.windows(2).enumerate() {
-                let topic = hops[1].topic.expect("each node but the first has one");
-                graph.topics[topic].chains.push((index, place + 1));
-            }
-            graph.chains.push(Chain {
-                name: table.name.as_str().to_owned(),
-                path,
-                deadline_ns: table.deadline_ms.map(ns),
-                max_misses: table.max_misses,
-            });
-        }
-        for (index, table) in file.faults.iter().enumerate() {
-            let fault = graph.fault(&format!("faults.{index}"), table)?;
-            graph.faults.push(fault);
-        }
-        Ok(graph)
+        (0..self.chains.len()).filter_map(of).collect()
     }
 
-    /// Names of all nodes.
-    pub fn names(&self) -> Vec<String> {
-        self.nodes.iter().map(|node| node.name.clone()).collect()
-    }
-
-    /// Notes writers and readers of each topic.
-    fn connect(&mut self, paths: &[Vec<String>]) -> Result<(), Problem> {
-        for (index, node) in self.nodes.iter().enumerate() {
-            for (callback, path) in node.callbacks.iter().zip(&paths[index]) {
-                for (place, &topic) in callback.publishes.iter().enumerate() {
-                    let topic = &mut self.topics[topic];
-                    if let Some(writer) = topic.writer.replace(index) {
-                        let other = &self.nodes[writer].name;
-                        let message = format!("`{other}` publishes `{}` too", topic.name);
-                        let path = format!("{path}.publishes.{place}");
-                        return Err(Problem::new(path, message, "one writer for each topic"));
-                    }
-                }
-                for &topic in &callback.reads {
-                    let Topic { readers, releases, .. } = &mut self.topics[topic];
-                    if !readers.contains(&index) {
-                        readers.push(index);
-                    }
-                    if callback.trigger.contains(&topic) && !releases.contains(&index) {
-                        releases.push(index);
-                    }
-                }
+    fn check(&self) -> Result<(), Problem> {
+        for (key, count) in [("nodes", self.nodes.len()), ("chains", self.chains.len())] {
+            if count > MOST || (count == 0 && key == "nodes") {
+                return Err(Problem::new(key, format!("{count} {key}"), format!("1 to {MOST}")));
             }
         }
-        let written = self.topics.iter().filter(|topic| topic.writer.is_some());
-        let written: Vec<String> = written.map(|topic| topic.name.clone()).collect();
-        for (callback, path) in self.callbacks(paths) {
-            let unwritten = |topic: &&usize| self.topics[**topic].writer.is_none();
-            if let Some(&topic) = callback.reads.iter().find(unwritten) {
-                let name = &self.topics[topic].name;
-                let key = if callback.trigger.contains(&topic) { "trigger" } else { "reads" };
-                let expected = accepted(name, written.iter().map(String::as_str));
-                let message = format!("no node publishes `{name}`");
-                return Err(Problem::new(format!("{path}.{key}"), message, expected));
+        for (topic, bytes) in &self.topics {
+            let good = |c: char| c.is_ascii_alphanumeric() || "/_-".contains(c);
+            if !(1..=100).contains(&topic.len()) || !topic.chars().all(good) {
+                let message = format!("`{}` names no topic", topic.escape_debug());
+                let expected = "1 to 100 letters, digits, `/`, `_` or `-`";
+                return Err(Problem::new("topics", message, expected));
+            }
+            within(&format!("topics.{topic}"), *bytes as f64, BYTES, "bytes")?;
+        }
+        (0..self.nodes.len()).try_for_each(|node| self.check_node(node))?;
+        self.check_releases()?;
+        (0..self.chains.len()).try_for_each(|chain| self.check_chain(chain))?;
+        for (index, fault) in self.faults.iter().enumerate() {
+            if let Some(name) = fault.node() {
+                self.known_node(&format!("faults.{index}.node"), name)?;
+            }
+            if let Fault::Delay { topic, .. } = fault {
+                self.known_topic(&format!("faults.{index}.topic"), topic)?;
             }
         }
         Ok(())
     }
 
-    fn callbacks<'a>(
-        &'a self,
-        paths: &'a [Vec<String>],
-    ) -> impl Iterator<Item = (&'a Callback, &'a String)> {
-        self.nodes.iter().zip(paths).flat_map(|(node, paths)| node.callbacks.iter().zip(paths))
-    }
-
-    /// Refuses callbacks that no timer ever releases: they wait for each other.
-    fn check_releases(&self, paths: &[Vec<String>]) -> Result<(), Problem> {
-        let mut sent: BTreeSet<usize> = BTreeSet::new();
-        loop {
-            let runs = |callback: &Callback| callback.trigger.iter().all(|t| sent.contains(t));
-            let ran = self.callbacks(paths).filter(|(callback, _)| runs(callback));
-            let more: BTreeSet<usize> = ran.flat_map(|(c, _)| c.publishes.clone()).collect();
-            if more.len() == sent.len() {
-                break;
+    fn check_node(&self, index: usize) -> Result<(), Problem> {
+        let (path, node) = (format!("nodes.{index}"), &self.nodes[index]);
+        let name = node.name.as_str();
+        if self.node(name) != Some(index) {
+            let message = format!("a second node `{name}`");
+            return Err(Problem::new(format!("{path}.name"), message, "another name"));
+        }
+        within(&format!("{path}.load_us"), node.load_us, (0.0, 10e6), "µs")?;
+        match node.period_ms {
+            Some(period_ms) => within(&format!("{path}.period_ms"), period_ms, PERIOD_MS, "ms")?,
+            None if node.trigger.is_empty() => {
+                let expected = "`period_ms`, or `trigger` with the topics that release it";
+                return Err(Problem::new(path, format!("`{name}` is never released"), expected));
             }
-            sent = more;
+            None => {}
         }
-        let is_stuck = |callback: &Callback| callback.trigger.iter().any(|t| !sent.contains(t));
-        let stuck: Vec<_> = self.callbacks(paths).filter(|(c, _)| is_stuck(c)).collect();
-        let Some((_, path)) = stuck.first() else { return Ok(()) };
-        let named = self.nodes.iter().filter(|node| node.callbacks.iter().any(is_stuck));
-        let named: Vec<_> = named.map(|node| format!("`{}`", node.name)).collect();
-        let message =
-            format!("a cycle that nothing starts: {} wait for each other", named.join(", "));
-        let expected = "a node with `period_ms` in it, or a topic in `reads` that need not release";
-        Err(Problem::new(format!("{path}.trigger"), message, expected))
+        if node.period_ms.is_some() && !node.trigger.is_empty() {
+            let message = format!("`{name}` has a period and a trigger");
+            let expected = "one of both; a topic that releases nothing belongs into `reads`";
+            return Err(Problem::new(format!("{path}.trigger"), message, expected));
+        }
+        if let Some(command) = &node.program {
+            let (words, here) = (shlex::split(command), std::env::current_dir());
+            let found = runtime::executable(&words.unwrap_or_default(), &here.unwrap_or_default());
+            found.map_err(|error| {
+                Problem::new(format!("{path}.program"), error.message(), error.expected())
+            })?;
+        }
+        for (key, topics) in
+            [("trigger", &node.trigger), ("reads", &node.reads), ("publishes", &node.publishes)]
+        {
+            for (place, topic) in topics.iter().enumerate() {
+                let path = format!("{path}.{key}.{place}");
+                self.known_topic(&path, topic)?;
+                if topics[..place].contains(topic) {
+                    let message = format!("`{topic}` is there twice");
+                    return Err(Problem::new(path, message, "each topic once"));
+                }
+                match self.writer(topic) {
+                    None => {
+                        let written = self.nodes.iter().flat_map(|node| &node.publishes);
+                        let expected = accepted(topic, written.map(String::as_str));
+                        let message = format!("no node publishes `{topic}`");
+                        return Err(Problem::new(path, message, expected));
+                    }
+                    Some(writer) if key == "publishes" && writer != index => {
+                        let other = self.nodes[writer].name.as_str();
+                        let message = format!("`{other}` publishes `{topic}` too");
+                        return Err(Problem::new(path, message, "one writer for each topic"));
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        Ok(())
     }
 
-    /// The nodes of a chain, with the callbacks and topics that connect them.
-    fn path(&self, path: &str, names: &[String]) -> Result<Vec<Hop>, Problem> {
-        if names.len() < 2 {
-            return Err(Problem::new(path, format!("{} nodes", names.len()), "two nodes or more"));
+    /// Refuses nodes that no timer ever releases: they wait for each other.
+    fn check_releases(&self) -> Result<(), Problem> {
+        let mut sent: BTreeSet<&String> = BTreeSet::new();
+        let runs =
+            |node: &Node, sent: &BTreeSet<&String>| node.trigger.iter().all(|t| sent.contains(t));
+        // Each round releases what the topics of the last one trigger.
+        for _ in &self.nodes {
+            let ran = self.nodes.iter().filter(|node| runs(node, &sent));
+            sent = ran.flat_map(|node| &node.publishes).collect();
         }
-        let known = self.names();
-        let mut nodes = Vec::new();
+        let stuck: Vec<_> = self.nodes.iter().filter(|node| !runs(node, &sent)).collect();
+        let Some(first) = stuck.first() else { return Ok(()) };
+        let path = format!("nodes.{}.trigger", self.node(first.name.as_str()).unwrap_or_default());
+        let names: Vec<_> = stuck.iter().map(|node| format!("`{}`", node.name.as_str())).collect();
+        let names = names.join(", ");
+        let message = format!("a cycle that nothing starts: {names} wait for each other");
+        let expected = "a node with `period_ms` in it, or a topic in `reads` that need not release";
+        Err(Problem::new(path, message, expected))
+    }
+
+    fn check_chain(&self, index: usize) -> Result<(), Problem> {
+        let (path, chain) = (format!("chains.{index}"), &self.chains[index]);
+        if let Some(deadline_ms) = chain.deadline_ms {
+            within(&format!("{path}.deadline_ms"), deadline_ms, PERIOD_MS, "ms")?;
+        }
+        let names = &chain.path;
+        if names.len() < 2 {
+            let message = format!("a chain of {} nodes", names.len());
+            return Err(Problem::new(format!("{path}.path"), message, "two nodes or more"));
+        }
         for (place, name) in names.iter().enumerate() {
-            let path = format!("{path}.{place}");
-            let node = known.iter().position(|known| known == name);
-            nodes.push(node.ok_or_else(|| unknown(&path, "node", name, known.iter()))?);
+            let path = format!("{path}.path.{place}");
+            let node = self.known_node(&path, name)?;
             if names[..place].contains(name) {
                 let message = format!("`{name}` is there twice");
                 return Err(Problem::new(path, message, "each node once"));
             }
+            if place > 0 && self.link(index, place - 1).is_none() {
+                let before = &names[place - 1];
+                let sent = &self.nodes[self.node(before).unwrap_or(node)].publishes;
+                let message = format!("`{name}` reads nothing that `{before}` publishes");
+                let expected = match sent.as_slice() {
+                    [] => format!("`{before}` to publish a topic that `{name}` reads"),
+                    sent => format!("`{name}` to read `{}`", sent.join("` or `")),
+                };
+                return Err(Problem::new(path, message, expected));
+            }
         }
-        let mut reached = 0;
-        let first = 0..self.nodes[nodes[0]].callbacks.len();
-        let found = first.into_iter().find_map(|callback| {
-            let hop = Hop { node: nodes[0], callback, topic: None };
-            self.follow(vec![hop], &nodes, &mut reached)
-        });
-        found.ok_or_else(|| {
-            let [before, after] = [&names[reached], &names[reached + 1]];
-            let sent = self.nodes[nodes[reached]].callbacks.iter().flat_map(|c| &c.publishes);
-            let sent: Vec<_> =
-                sent.map(|&topic| format!("`{}`", self.topics[topic].name)).collect();
-            let expected = match sent.as_slice() {
-                [] => format!("`{before}` to publish a topic that `{after}` reads"),
-                sent => format!("`{after}` to read {}", sent.join(" or ")),
-            };
-            let message = format!("`{after}` reads nothing that `{before}` publishes");
-            Problem::new(format!("{path}.{}", reached + 1), message, expected)
-        })
+        Ok(())
     }
 
-    /// The rest of a chain's nodes behind `hops`; `reached` is the longest way that was found.
-    fn follow(&self, hops: Vec<Hop>, nodes: &[usize], reached: &mut usize) -> Option<Vec<Hop>> {
-        *reached = (*reached).max(hops.len() - 1);
-        let Some(&node) = nodes.get(hops.len()) else { return Some(hops) };
-        let last = hops.last().expect("the source");
-        let sent = &self.nodes[last.node].callbacks[last.callback].publishes;
-        (self.nodes[node].callbacks.iter().enumerate()).find_map(|(callback, reader)| {
-            let topic = reader.reads.iter().copied().find(|topic| sent.contains(topic));
-            let hop = Hop { node, callback, topic: Some(topic?) };
-            self.follow([&hops[..], &[hop]].concat(), nodes, reached)
-        })
+    fn known_node(&self, path: &str, name: &str) -> Result<usize, Problem> {
+        let known = self.nodes.iter().map(|node| node.name.as_str());
+        let unknown = || format!("unknown node `{}`", name.escape_debug());
+        self.node(name).ok_or_else(|| Problem::new(path, unknown(), accepted(name, known)))
     }
 
-    fn fault(&self, path: &str, table: &FaultTable) -> Result<Fault, Problem> {
-        let names = self.names();
-        let node = |name: &String| {
-            let found = names.iter().position(|known| known == name);
-            found.ok_or_else(|| unknown(&format!("{path}.node"), "node", name, names.iter()))
-        };
-        let (at_s, for_ns, act) = match table {
-            FaultTable::Kill { node: name, at_s } => (at_s, 0, Act::Kill(node(name)?)),
-            FaultTable::Stop { node: name, at_s, for_s } => {
-                (at_s, for_s.nanoseconds(), Act::Stop(node(name)?))
-            }
-            FaultTable::Delay { topic, at_s, for_s, delay_ms } => {
-                let known = self.topics.iter().map(|topic| &topic.name);
-                let found = known.clone().position(|known| known == topic);
-                let path = format!("{path}.topic");
-                let found = found.ok_or_else(|| unknown(&path, "topic", topic, known))?;
-                let delay_ns = delay_ms.nanoseconds().cast_signed();
-                (at_s, for_s.nanoseconds(), Act::Delay(found, delay_ns))
-            }
-            FaultTable::Hog { core, at_s, for_s } => {
-                (at_s, for_s.nanoseconds(), Act::Hog(core.map(|core| core.value())))
-            }
-        };
-        let (at_ns, for_ns) = (at_s.nanoseconds().cast_signed(), for_ns.cast_signed());
-        Ok(Fault { at_ns, for_ns, act })
+    fn known_topic(&self, path: &str, topic: &str) -> Result<(), Problem> {
+        if self.topics.contains_key(topic) {
+            return Ok(());
+        }
+        let expected = accepted(topic, self.topics.keys().map(String::as_str));
+        Err(Problem::new(path, format!("unknown topic `{}`", topic.escape_debug()), expected))
     }
 }
 
-fn ns(ms: f64) -> i64 {
-    (1e6 * ms).round() as i64
-}
-
-/// The words of a command.
-fn words(path: &str, command: &str) -> Result<Vec<String>, Problem> {
-    let expected = "a command as a shell reads it, of a program that can be run";
-    let words = shlex::split(command).unwrap_or_default();
-    let here = std::env::current_dir().unwrap_or_default();
-    match runtime::executable(&words, &here) {
-        Ok(program) => {
-            let program = program.to_string_lossy().into_owned();
-            Ok(std::iter::once(program).chain(words.into_iter().skip(1)).collect())
-        }
-        Err(error) => Err(Problem::new(path, error.message(), expected)),
+fn within(path: &str, value: f64, (low, high): (f64, f64), unit: &str) -> Result<(), Problem> {
+    if (low..=high).contains(&value) {
+        return Ok(());
     }
+    Err(Problem::new(path, format!("{value} is out of range"), format!("{low} to {high} {unit}")))
 }

@@ -1,13 +1,11 @@
 //! The ends of a topic at a node: iceoryx2's ports, the end-to-end check, epochs, delays.
 
-use crate::page::Page;
-use crate::plan::{Act, Graph, Topic};
-use crate::times::{ReaderCounts, sent};
-use crate::trail;
+use crate::plan::{Fault, Graph};
+use crate::times::{self, Page};
+use crate::trail::Layout;
 use bench::payload::{BytesReceiver, BytesSender, Peers};
 use messages::Header;
 use runtime::{Count, Group, Guest, epoch, monotonic_ns};
-use serde_json::json;
 use std::collections::VecDeque;
 use supervise::{Error, MachineError};
 
@@ -15,77 +13,106 @@ use supervise::{Error, MachineError};
 const PROCESSES: usize = 4;
 
 /// Processes at a topic.
-pub fn peers(topic: &Topic) -> Peers {
-    Peers { senders: PROCESSES, receivers: PROCESSES * topic.readers.len().max(1), history: 1 }
-}
-
-fn service(topic: &Topic) -> String {
-    format!("graph/{}", topic.name)
+pub fn peers(graph: &Graph, topic: &str) -> Peers {
+    let receivers = PROCESSES * graph.readers(topic).count().max(1);
+    Peers { senders: PROCESSES, receivers, history: 1 }
 }
 
 /// The sending end.
-#[derive(Debug)]
 pub struct Output {
-    pub topic: usize,
+    pub layout: Layout,
     port: BytesSender,
     sequence: u64,
     sent: Count,
+    /// Nodes that a message helps to release.
+    pub releases: Vec<usize>,
 }
 
 impl Output {
-    pub fn open(graph: &Graph, topic: usize, group: &Group, guest: &Guest) -> Result<Self, Error> {
-        let of = &graph.topics[topic];
-        let port = BytesSender::open(guest, &service(of), trail::length(of), peers(of))?;
-        Ok(Self { topic, port, sequence: 0, sent: sent(topic, group)? })
+    pub fn open(
+        graph: &Graph,
+        topic: &String,
+        group: &Group,
+        guest: &Guest,
+    ) -> Result<Self, Error> {
+        let (layout, service) = (Layout::of(graph, topic), format!("graph/{topic}"));
+        let port = BytesSender::open(guest, &service, layout.length, peers(graph, topic))?;
+        let sent = times::count(group, topic, "", "sent")?;
+        let released = graph.readers(topic).filter(|(_, node)| node.trigger.contains(topic));
+        let releases = released.map(|(node, _)| node).collect();
+        Ok(Self { layout, port, sequence: 0, sent, releases })
     }
 
-    /// Sends a message with this header and these trails.
+    /// Sends a message with this header and the trails of its chains.
     pub fn send<'a>(
         &mut self,
-        graph: &Graph,
         mut header: Header,
-        trails: impl Iterator<Item = (usize, &'a [i64])>,
+        trail: impl Fn(usize) -> Option<&'a [i64]>,
     ) -> Result<(), MachineError> {
         self.sequence += 1;
         header.sequence = self.sequence;
-        self.port.send(|bytes| trail::write(bytes, graph, self.topic, &header, trails))?;
+        self.port.send(|bytes| self.layout.write(bytes, &header, trail))?;
         self.sent.add(1);
         Ok(())
     }
 }
 
 /// A receiving end. It keeps header and trails of the newest message.
-#[derive(Debug)]
 pub struct Input {
-    pub topic: usize,
+    pub topic: String,
+    pub layout: Layout,
     port: BytesReceiver,
     /// Header and trails of the newest message; empty before the first.
     pub newest: Vec<u8>,
     /// Publication of that message, ns.
     pub sent_ns: i64,
-    /// Messages that have come.
+    /// Messages that have come, and those at the last cycle.
     pub arrived: u64,
-    pub counts: ReaderCounts,
+    pub used: u64,
+    /// The writer, if it has a standby.
+    fenced: Option<usize>,
+    /// Run times between which messages are delayed, and by how much, ns.
+    delays: Vec<((i64, i64), i64)>,
+    delayed: VecDeque<(i64, Vec<u8>)>,
     /// Incarnation and sequence number of the last message.
     last: (u32, u64),
-    /// Messages that a fault delays, and until when, ns.
-    delayed: VecDeque<(i64, Vec<u8>)>,
+    counts: [Count; 3],
 }
+
+/// Names of a reader's counts. Messages are unused if newer ones replaced them before a cycle used them.
+pub const COUNTS: [&str; 3] = ["received", "unused", "refused"];
 
 impl Input {
     pub fn open(
         graph: &Graph,
-        topic: usize,
+        topic: &str,
         node: usize,
         group: &Group,
         guest: &Guest,
     ) -> Result<Self, Error> {
-        let of = &graph.topics[topic];
-        let port = BytesReceiver::open(guest, &service(of), peers(of))?;
-        let counts = ReaderCounts::open(topic, node, group)?;
-        let newest = Vec::with_capacity(trail::used(of));
-        let (sent_ns, arrived, last, delayed) = (0, 0, (0, 0), VecDeque::new());
-        Ok(Self { topic, port, newest, sent_ns, arrived, counts, last, delayed })
+        let delays = graph.faults.iter().filter_map(|fault| match fault {
+            Fault::Delay { topic: of, delay_ms, .. } if of == topic => {
+                Some((fault.span_ns(), delay_ms.nanoseconds().cast_signed()))
+            }
+            _ => None,
+        });
+        let reader = graph.nodes[node].name.as_str();
+        let [received, unused, refused] =
+            COUNTS.map(|name| times::count(group, topic, reader, name));
+        Ok(Self {
+            topic: topic.to_owned(),
+            layout: Layout::of(graph, topic),
+            port: BytesReceiver::open(guest, &format!("graph/{topic}"), peers(graph, topic))?,
+            newest: Vec::new(),
+            sent_ns: 0,
+            arrived: 0,
+            used: 0,
+            fenced: graph.writer(topic).filter(|writer| graph.nodes[*writer].standby),
+            delays: delays.collect(),
+            delayed: VecDeque::new(),
+            last: (0, 0),
+            counts: [received?, unused?, refused?],
+        })
     }
 
     /// End of the first delay, ns.
@@ -94,36 +121,33 @@ impl Input {
     }
 
     /// Takes all messages that have come, and those whose delay is over. The run began at `start_ns`.
-    pub fn take(&mut self, graph: &Graph, page: &Page, start_ns: i64) -> Result<(), MachineError> {
-        let Self { topic, port, newest, sent_ns, arrived, counts, last, delayed } = self;
-        let of = &graph.topics[*topic];
+    pub fn take(&mut self, page: &Page, start_ns: i64) -> Result<(), MachineError> {
+        let Self { layout, newest, sent_ns, arrived, delayed, last, counts, .. } = self;
         let mut keep = |bytes: &[u8], published_ns: i64| {
             newest.clear();
-            newest.extend_from_slice(&bytes[..trail::used(of)]);
-            *sent_ns = published_ns;
-            *arrived += 1;
+            newest.extend_from_slice(bytes);
+            (*sent_ns, *arrived) = (published_ns, *arrived + 1);
         };
-        port.take(|_, bytes| {
-            let header = trail::read(bytes, graph, *topic);
-            let writer = of.writer.filter(|writer| graph.nodes[*writer].standby);
+        self.port.take(|_, bytes| {
             let is_current = |header: &Header| {
-                writer.is_none_or(|node| epoch::is_accepted(page.epoch(node), header.incarnation))
+                let word = self.fenced.map(|node| page.epoch(node));
+                word.is_none_or(|word| epoch::is_accepted(word, header.incarnation))
             };
-            let Some(header) = header.filter(is_current) else {
-                counts.refused.add(1);
+            let Some(header) = layout.read(bytes).filter(is_current) else {
+                counts[2].add(1);
                 return Ok(());
             };
-            counts.received.add(1);
+            counts[0].add(1);
             if last.0 == header.incarnation && last.1 > 0 {
-                counts.unused.add(header.sequence.saturating_sub(last.1 + 1));
+                counts[1].add(header.sequence.saturating_sub(last.1 + 1));
             }
             *last = (header.incarnation, header.sequence);
-            match delay_ns(graph, *topic, header.publish_ns - start_ns) {
-                0 => keep(bytes, header.publish_ns),
-                delay_ns => {
-                    let bytes = bytes[..trail::used(of)].to_vec();
-                    delayed.push_back((header.publish_ns + delay_ns, bytes));
-                }
+            let (bytes, sent_ns) = (&bytes[..layout.used], header.publish_ns);
+            let acts =
+                |((from, to), _): &&((i64, i64), i64)| (*from..*to).contains(&(sent_ns - start_ns));
+            match self.delays.iter().find(acts) {
+                None => keep(bytes, sent_ns),
+                Some((_, delay_ns)) => delayed.push_back((sent_ns + delay_ns, bytes.to_vec())),
             }
             Ok(())
         })?;
@@ -136,28 +160,16 @@ impl Input {
         }
         Ok(())
     }
-}
 
-/// The delay of a message that was published at `run_ns` of run time, ns.
-fn delay_ns(graph: &Graph, topic: usize, run_ns: i64) -> i64 {
-    let acts = graph.faults.iter().filter_map(|fault| match fault.act {
-        Act::Delay(of, delay_ns) if of == topic => {
-            (fault.at_ns..fault.at_ns + fault.for_ns).contains(&run_ns).then_some(delay_ns)
-        }
-        _ => None,
-    });
-    acts.max().unwrap_or(0)
-}
+    /// Notes that a cycle uses the newest message.
+    pub fn use_newest(&mut self) {
+        self.counts[1].add((self.arrived - self.used).saturating_sub(1));
+        self.used = self.arrived;
+    }
 
-/// The line that a node's program gets for a cycle.
-pub fn question(graph: &Graph, node: &str, cycle: u64, inputs: &[Input], now_ns: i64) -> String {
-    let came = inputs.iter().filter(|input| input.arrived > 0);
-    let inputs = came.map(|input| {
-        json!({
-            "topic": graph.topics[input.topic].name,
-            "sequence": input.last.1,
-            "age_us": (now_ns - input.sent_ns) as f64 / 1e3,
-        })
-    });
-    json!({"node": node, "cycle": cycle, "inputs": inputs.collect::<Vec<_>>()}).to_string()
+    /// The newest message for the node's program.
+    pub fn question(&self, now_ns: i64) -> serde_json::Value {
+        let age_us = (now_ns - self.sent_ns) as f64 / 1e3;
+        serde_json::json!({"topic": self.topic, "sequence": self.last.1, "age_us": age_us})
+    }
 }

@@ -1,92 +1,92 @@
-//! `graph.json`: the figures of a run. A figure that does not apply is null.
+//! The figures of a run: `graph.json`, and the same for people. A figure that does not apply is null.
 
-use crate::group::{Ran, Record};
+use crate::group::{Launcher, Record};
 use crate::plan::Graph;
-use crate::times::{NodeCounts, Reactions, ReaderCounts, sent};
-use crate::trail::PARTS;
+use crate::ports::COUNTS;
+use crate::times::{self, Reactions};
+use crate::trail::{Layout, PARTS};
 use bench::peer::Outcome;
-use report::results::Object;
+use report::chart::{Stroke, Tone};
+use report::html::figure;
+use report::output::{HISTOGRAMS, histogram_log};
+use report::print::duration;
+use report::results::{Broken, Column, Document, Object, Table, count, micros, number, word};
 use report::summary::Host;
+use report::{Distribution, distributions};
+use runtime::RuntimeError;
 use runtime::statistics::{Latencies, Percentiles};
-use runtime::{Group, RuntimeError};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::collections::BTreeSet;
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+/// Percentiles, µs.
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+#[serde(transparent)]
+pub struct Us(#[schemars(with = "Option<Object>")] Option<Percentiles>);
+
+impl From<&Latencies> for Us {
+    fn from(latencies: &Latencies) -> Self {
+        Self(latencies.percentiles_us())
+    }
+}
+
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Report {
     pub schema_version: u32,
     /// No chain missed its deadline more often than it may, and no node was given up.
     pub ok: bool,
-    /// Name of the graph.
     pub graph: String,
     pub seconds: f64,
     #[schemars(with = "Object")]
     pub host: Host,
     /// Requests that the kernel refused, with its reasons.
     pub refused: BTreeSet<String>,
-    /// Why the run ended early; null for a whole run.
+    /// Why the run ended early.
     pub broken: Option<String>,
-    pub floor: Floor,
+    /// Lateness of a process that only sleeps, during the same seconds.
+    pub floor_us: Us,
     pub chains: Vec<ChainRow>,
+    pub hops: Vec<HopRow>,
     pub nodes: Vec<NodeRow>,
     pub topics: Vec<TopicRow>,
     #[schemars(with = "Vec<Object>")]
     pub faults: Vec<Record>,
 }
 
-/// The machine's floor: a process that only sleeps, during the same seconds.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Floor {
-    pub core: usize,
-    pub period_us: u32,
-    #[schemars(with = "Option<Object>")]
-    pub sleep_jitter_us: Option<Percentiles>,
-}
-
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct ChainRow {
     pub chain: String,
     pub deadline_us: Option<f64>,
-    /// Messages that the source sent into the chain.
-    pub started: u64,
-    /// Those that reached its end.
+    /// Messages of the source that reached the end, and those that newer ones replaced on the way.
     pub reactions: u64,
+    pub replaced: u64,
     /// Reactions that were longer than the deadline; null without one.
     pub misses: Option<u64>,
     pub max_misses: u64,
-    #[schemars(with = "Option<Object>")]
-    pub reaction_time_us: Option<Percentiles>,
-    #[schemars(with = "Option<Object>")]
-    pub data_age_us: Option<Percentiles>,
+    pub reaction_time_us: Us,
+    pub data_age_us: Us,
     /// Waits for the release of a timer, or for another topic.
-    #[schemars(with = "Option<Object>")]
-    pub designed_wait_us: Option<Percentiles>,
+    pub designed_wait_us: Us,
     /// Reaction time without them.
-    #[schemars(with = "Option<Object>")]
-    pub net_reaction_us: Option<Percentiles>,
-    pub hops: Vec<HopRow>,
-    /// Reaction times in blocks of equal length, for a comparison with another run; null for an empty block.
-    #[schemars(with = "Vec<Option<Object>>")]
-    pub blocks: Vec<Option<Percentiles>>,
+    pub net_reaction_us: Us,
+    /// Reaction times in blocks of equal length, for a comparison with another run.
+    pub blocks: Vec<Us>,
 }
 
-/// The part of a reaction that a node makes up.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+/// The part of a chain's reactions that a node makes up.
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct HopRow {
+    pub chain: String,
     pub node: String,
     /// The message is there, and the node is busy or not yet due.
-    #[schemars(with = "Option<Object>")]
-    pub wait_us: Option<Percentiles>,
+    pub wait_us: Us,
     /// From then to the start of the cycle.
-    #[schemars(with = "Option<Object>")]
-    pub wake_us: Option<Percentiles>,
+    pub wake_us: Us,
     /// Start of the cycle to its publication, or its end.
-    #[schemars(with = "Option<Object>")]
-    pub work_us: Option<Percentiles>,
+    pub work_us: Us,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct NodeRow {
     pub node: String,
     /// Scheduling that the kernel granted.
@@ -95,17 +95,15 @@ pub struct NodeRow {
     pub cycles: u64,
     pub skipped: u64,
     /// Start of a cycle after its release.
-    #[schemars(with = "Option<Object>")]
-    pub release_jitter_us: Option<Percentiles>,
-    #[schemars(with = "Option<Object>")]
-    pub work_us: Option<Percentiles>,
-    /// Times that another process became the active one.
+    pub release_jitter_us: Us,
+    pub work_us: Us,
+    /// Times that another process became the active one, and those in which it was the standby.
     pub replacements: u32,
     pub take_overs: u32,
     pub starved_ms: f64,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct TopicRow {
     pub topic: String,
     /// Length of a message, with header and stamps.
@@ -115,123 +113,225 @@ pub struct TopicRow {
     pub received: u64,
     /// Messages that newer ones replaced before a cycle used them.
     pub unused: u64,
+    /// Messages that failed a check.
     pub refused: u64,
 }
 
-impl Report {
-    /// The figures that the processes left, and their histograms by tags.
-    pub fn of(
-        graph: &Graph,
-        group: &Group,
-        ran: Ran,
-        (core, period_us, floor): (usize, u32, &Outcome),
-    ) -> Result<(Self, Vec<(String, Latencies)>), RuntimeError> {
-        let mut histograms = Vec::new();
-        let chains = (0..graph.chains.len())
-            .map(|chain| ChainRow::of(graph, chain, group, &mut histograms))
-            .collect::<Result<Vec<_>, _>>()?;
-        let topics = (0..graph.topics.len()).map(|topic| TopicRow::of(graph, topic, group));
-        let granted = ran.granted.iter().flatten().chain([&floor.granted]);
-        let refused = granted.flat_map(|granted| &granted.refused).map(ToString::to_string);
-        let floor_as_asked = floor.granted.granted == floor.granted.requested;
-        let sleep_jitter_us = floor.latencies.percentiles_us().filter(|_| floor_as_asked);
-        histograms.push(("sleep".to_owned(), floor.latencies.clone()));
-        let report = Self {
-            schema_version: 1,
-            ok: ran.broken.is_none() && chains.iter().all(ChainRow::holds),
-            graph: graph.name.clone(),
-            seconds: graph.duration_s,
-            host: Host::this(),
-            refused: refused.collect(),
-            floor: Floor { core, period_us, sleep_jitter_us },
-            chains,
-            nodes: (0..graph.nodes.len())
-                .map(|node| NodeRow::of(graph, node, group, &ran))
-                .collect::<Result<_, _>>()?,
-            topics: topics.collect::<Result<_, _>>()?,
-            faults: ran.records,
-            broken: ran.broken,
-        };
-        Ok((report, histograms))
-    }
-}
-
 impl ChainRow {
-    fn of(
-        graph: &Graph,
-        chain: usize,
-        group: &Group,
-        histograms: &mut Vec<(String, Latencies)>,
-    ) -> Result<Self, RuntimeError> {
-        let of = &graph.chains[chain];
-        let Reactions { times, blocks, .. } = Reactions::open(graph, chain, group)?;
-        let hop = |(hop, parts): (&crate::plan::Hop, &[Latencies])| {
-            let [wait_us, wake_us, work_us] = [0, 1, 2].map(|part| parts[part].percentiles_us());
-            HopRow { node: graph.nodes[hop.node].name.clone(), wait_us, wake_us, work_us }
-        };
-        let first = of.path[1].topic.expect("each node but the first has one");
-        let row = Self {
-            chain: of.name.clone(),
-            deadline_us: of.deadline_ns.map(|ns| ns as f64 / 1e3),
-            started: sent(first, group)?.get(),
-            reactions: times.reaction.count(),
-            misses: of.deadline_ns.map(|_| times.late.get()),
-            max_misses: of.max_misses,
-            reaction_time_us: times.reaction.percentiles_us(),
-            data_age_us: times.age.percentiles_us(),
-            designed_wait_us: times.designed_wait.percentiles_us(),
-            net_reaction_us: times.net_reaction.percentiles_us(),
-            hops: of.path.iter().zip(times.parts.chunks(PARTS)).map(hop).collect(),
-            blocks: blocks.iter().map(Latencies::percentiles_us).collect(),
-        };
-        for (name, latencies) in [("reaction_time", times.reaction), ("data_age", times.age)] {
-            histograms.push((format!("{name}:{chain}"), latencies.clone()));
-        }
-        Ok(row)
-    }
-
     /// True if it has reactions, and no more of them are late than may be.
-    pub fn holds(&self) -> bool {
+    fn holds(&self) -> bool {
         self.reactions > 0 && self.misses.is_none_or(|misses| misses <= self.max_misses)
     }
-}
 
-impl NodeRow {
-    fn of(graph: &Graph, node: usize, group: &Group, ran: &Ran) -> Result<Self, RuntimeError> {
-        let counts = NodeCounts::open(node, None, group)?;
-        let granted = ran.granted[node].as_ref();
-        Ok(Self {
-            node: graph.nodes[node].name.clone(),
-            scheduling: granted.map(|granted| granted.granted.clone()),
-            core: granted.and_then(|granted| granted.core),
-            cycles: counts.cycles.get(),
-            skipped: counts.skipped.get(),
-            release_jitter_us: counts.jitter.percentiles_us(),
-            work_us: counts.work.percentiles_us(),
-            replacements: ran.restarts[node],
-            take_overs: ran.take_overs[node],
-            starved_ms: ran.starved_ms[node],
-        })
-    }
-}
-
-impl TopicRow {
-    fn of(graph: &Graph, topic: usize, group: &Group) -> Result<Self, RuntimeError> {
-        let of = &graph.topics[topic];
-        let mut row = Self {
-            topic: of.name.clone(),
-            bytes: crate::trail::length(of),
-            sent: sent(topic, group)?.get(),
-            received: 0,
-            unused: 0,
-            refused: 0,
-        };
-        for reader in &of.readers {
-            let counts = ReaderCounts::open(topic, *reader, group)?;
-            row.received += counts.received.get();
-            row.unused += counts.unused.get();
-            row.refused += counts.refused.get();
+    /// Why it does not hold, in words.
+    fn broken(&self) -> String {
+        let Self { chain, reactions, misses, deadline_us, max_misses, .. } = self;
+        match (misses, deadline_us) {
+            (Some(misses), Some(deadline_us)) if *reactions > 0 => format!(
+                "{chain}: {misses} of {reactions} reactions are later than {} ({max_misses} accepted)",
+                duration(*deadline_us)
+            ),
+            _ => format!("{chain}: no message reached the end"),
         }
-        Ok(row)
     }
+}
+
+/// The result of a run that has ended, with the floor beside it.
+pub fn document(
+    graph: &Graph,
+    launcher: Launcher<'_>,
+    floor: &Outcome,
+) -> Result<Document, RuntimeError> {
+    let Launcher { group, members, records, broken, .. } = &launcher;
+    let (mut chains, mut hops, mut pictures) = (Vec::new(), Vec::new(), String::new());
+    let mut histograms = vec![("sleep".to_owned(), floor.latencies.clone())];
+    for (number, chain) in graph.chains.iter().enumerate() {
+        let Reactions { times, blocks, .. } = Reactions::open(graph, number, group)?;
+        let name = chain.name.as_str().to_owned();
+        let first = graph.link(number, 0).expect("checked");
+        let reactions = times.reaction.count();
+        chains.push(ChainRow {
+            chain: name.clone(),
+            deadline_us: chain.deadline_ns().map(|ns| ns as f64 / 1e3),
+            reactions,
+            replaced: times::count(group, first, "", "sent")?.get().saturating_sub(reactions),
+            misses: chain.deadline_ns().map(|_| times.late.get()),
+            max_misses: chain.max_misses,
+            reaction_time_us: (&times.reaction).into(),
+            data_age_us: (&times.age).into(),
+            designed_wait_us: (&times.designed_wait).into(),
+            net_reaction_us: (&times.net_reaction).into(),
+            blocks: blocks.iter().map(Us::from).collect(),
+        });
+        for (node, parts) in chain.path.iter().zip(times.parts.chunks(PARTS)) {
+            let [wait_us, wake_us, work_us] = [0, 1, 2].map(|part| Us::from(&parts[part]));
+            hops.push(HopRow {
+                chain: name.clone(),
+                node: node.clone(),
+                wait_us,
+                wake_us,
+                work_us,
+            });
+        }
+        pictures += &picture(&name, [&times.reaction, &times.age, &floor.latencies]);
+        histograms.push((format!("reaction_time:{number}"), times.reaction));
+        histograms.push((format!("data_age:{number}"), times.age));
+    }
+    let nodes = graph.nodes.iter().zip(members).map(|(node, member)| NodeRow {
+        node: node.name.as_str().to_owned(),
+        scheduling: member.granted.as_ref().map(|granted| granted.granted.clone()),
+        core: member.granted.as_ref().and_then(|granted| granted.core),
+        cycles: member.counts.cycles.get(),
+        skipped: member.counts.skipped.get(),
+        release_jitter_us: (&member.counts.jitter).into(),
+        work_us: (&member.counts.work).into(),
+        replacements: member.succession.replacements(),
+        take_overs: member.succession.take_overs(),
+        starved_ms: member.starved_ms,
+    });
+    let mut topics = Vec::new();
+    for topic in graph.topics.keys() {
+        let mut sums = [0; COUNTS.len()];
+        for (_, reader) in graph.readers(topic) {
+            for (sum, name) in sums.iter_mut().zip(COUNTS) {
+                *sum += times::count(group, topic, reader.name.as_str(), name)?.get();
+            }
+        }
+        let [received, unused, refused] = sums;
+        let bytes = Layout::of(graph, topic).length;
+        let sent = times::count(group, topic, "", "sent")?.get();
+        topics.push(TopicRow { topic: topic.clone(), bytes, sent, received, unused, refused });
+    }
+    let granted =
+        members.iter().filter_map(|member| member.granted.as_ref()).chain([&floor.granted]);
+    let refused = granted.flat_map(|granted| &granted.refused).map(ToString::to_string);
+    let late: Vec<&ChainRow> = chains.iter().filter(|chain| !chain.holds()).collect();
+    let held = chains.len() - late.len();
+    let why = broken.iter().cloned().chain(late.into_iter().map(ChainRow::broken));
+    let why: Vec<Broken> = why.map(|what| Broken::new(what, "")).collect();
+    let report = Report {
+        schema_version: 1,
+        ok: why.is_empty(),
+        graph: graph.name.as_str().to_owned(),
+        seconds: graph.duration_s.value(),
+        host: Host::this(),
+        refused: refused.collect(),
+        broken: broken.clone(),
+        floor_us: (&floor.latencies).into(),
+        hops,
+        nodes: nodes.collect(),
+        topics,
+        faults: records.clone(),
+        chains,
+    };
+    let mut verdict = format!("{held} of {} chains hold", report.chains.len());
+    if let (Some(us), Some(core)) = (report.floor_us.0, floor.granted.core) {
+        let (p50, max) = (duration(us.p50), duration(us.max));
+        verdict += &format!("; floor on core {core}: a sleep is {p50} late (p50), {max} at worst");
+    }
+    let Host { cpus, kernel, realtime_kernel } = &report.host;
+    let kind = if *realtime_kernel { ", real-time kernel" } else { "" };
+    let facts = report.refused.iter().map(|why| ("not granted".to_owned(), why.clone()));
+    let table = |heading, columns: &[Column<_>], rows| Table::new(heading, columns, rows);
+    Ok(Document::new("graph", &format!("Graph {}", report.graph), &report)
+        .about(format!("{cpus} processors, Linux {kernel}{kind}, {} s", report.seconds))
+        .facts("Not granted", facts.collect())
+        .table(table("Chains", &chain_columns(), &report.chains))
+        .figures("Chains", format!("<div class=\"grid\">\n{pictures}</div>\n"))
+        .table(Table::new("Hops", &hop_columns(), &report.hops).blocks("chain").without_cases())
+        .table(Table::new("Nodes", &node_columns(), &report.nodes).without_cases())
+        .table(Table::new("Topics", &topic_columns(), &report.topics).without_cases())
+        .table(Table::new("Faults", &fault_columns(), &report.faults).without_cases())
+        .file(HISTOGRAMS, histogram_log(&histograms))
+        .verdict(report.ok, verdict)
+        .broken(why))
+}
+
+fn chain_columns() -> [Column<ChainRow>; 12] {
+    [
+        word("chain", "chain", "Chain from its source to its last node"),
+        micros("deadline_us", "deadline", "Longest accepted reaction time"),
+        count("reactions", "n", "Messages of the source that reached the end"),
+        count("replaced", "not used", "Messages of the source that newer ones replaced").weight(1),
+        count("misses", "misses", "Reactions later than the deadline"),
+        micros("reaction_time_us.p50", "reaction p50", "Source's release to the last node's end"),
+        micros("reaction_time_us.p99", "p99", "99th percentile of it"),
+        micros("reaction_time_us.max", "max", "Longest"),
+        micros("data_age_us.p50", "age p50", "Age of the data at each end of a cycle").weight(1),
+        micros("data_age_us.max", "max", "Largest").weight(1),
+        micros("net_reaction_us.p50", "net p50", "Reaction without waits for a timer or topic"),
+        micros("net_reaction_us.p99", "p99", "99th percentile of it").weight(1),
+    ]
+}
+
+fn hop_columns() -> [Column<HopRow>; 8] {
+    [
+        word("chain", "chain", "Chain"),
+        word("node", "node", "Node on it"),
+        micros("wait_us.p50", "wait p50", "The message is there, the node busy or not due"),
+        micros("wait_us.max", "max", "Longest").weight(1),
+        micros("wake_us.p50", "wake-up p50", "From then to the start of the cycle"),
+        micros("wake_us.max", "max", "Longest"),
+        micros("work_us.p50", "work p50", "Start of the cycle to the publication"),
+        micros("work_us.max", "max", "Longest"),
+    ]
+}
+
+fn node_columns() -> [Column<NodeRow>; 10] {
+    [
+        word("node", "node", "Node"),
+        word("scheduling", "scheduling", "Scheduling that the kernel granted").weight(1),
+        count("core", "core", "CPU that it is pinned to").weight(3),
+        count("cycles", "cycles", "Cycles of all its processes"),
+        count("skipped", "skipped", "Releases that were left out: it was busy or stopped"),
+        micros("release_jitter_us.p50", "release p50", "Start of a cycle after its release"),
+        micros("release_jitter_us.max", "max", "Latest start"),
+        micros("work_us.p50", "work p50", "Length of a cycle").weight(1),
+        count("replacements", "replaced", "Times that another process became the active one"),
+        number("starved_ms", "starved", "ms", 0, "Time without the processor").weight(2),
+    ]
+}
+
+fn topic_columns() -> [Column<TopicRow>; 6] {
+    [
+        word("topic", "topic", "Topic"),
+        count("bytes", "bytes", "Length of a message, with header and stamps"),
+        count("sent", "sent", "Messages sent"),
+        count("received", "received", "Messages received, by all readers together"),
+        count("unused", "unused", "Messages that newer ones replaced before a cycle used them"),
+        count("refused", "refused", "Messages that failed a check").weight(1),
+    ]
+}
+
+fn fault_columns() -> [Column<Record>; 5] {
+    [
+        number("t_s", "t", "s", 3, "Run time of the begin"),
+        word("fault", "fault", "Fault, or an end that was not asked for"),
+        micros(
+            "detected_after_us",
+            "noticed after",
+            "Until the launcher or the standby noticed it",
+        ),
+        micros("recovered_after_us", "back after", "Until the first cycle of the next process"),
+        word("recovered_by", "by", "How it came back"),
+    ]
+}
+
+/// Reaction time and data age of a chain, and the machine's floor.
+fn picture(chain: &str, [reaction, age, floor]: [&Latencies; 3]) -> String {
+    let drawn = |label: &str, latencies: &Latencies| format!("{label} (n = {})", latencies.count());
+    let [tone, other] = [Tone::Series(0), Tone::Series(1)];
+    let solid = Stroke::Solid;
+    let label = drawn("floor: a process that only sleeps", floor);
+    let drawn = [
+        Distribution {
+            label: drawn("reaction time", reaction),
+            tone,
+            stroke: solid,
+            latencies: reaction,
+        },
+        Distribution { label: drawn("data age", age), tone: other, stroke: solid, latencies: age },
+        Distribution { label, tone: Tone::Muted, stroke: Stroke::Dashed, latencies: floor },
+    ];
+    distributions(chain, &drawn).map(|plot| figure(&plot)).unwrap_or_default()
 }

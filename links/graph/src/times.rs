@@ -1,21 +1,62 @@
-//! Counts and times that outlive the processes of a node, as the car's services keep theirs.
+//! Counts and times that outlive the processes of a node, as the car's services keep theirs, and words that all share.
 
-use crate::page::Page;
-use crate::plan::Graph;
+use crate::plan::{Graph, MOST};
 use crate::trail::{self, PARTS};
 use runtime::chain::ChainTimes;
 use runtime::statistics::Latencies;
-use runtime::{Count, Group, Progress, RELEASE_JITTER, RuntimeError, ServiceCounts};
+use runtime::{Count, Group, RELEASE_JITTER, RuntimeError, ServiceCounts, SharedWords};
+use std::sync::atomic::{AtomicU32, Ordering};
+use supervise::MachineError;
 
 /// Blocks of equal length in a run. A gate compares two runs block by block.
 pub const BLOCKS: usize = 12;
 /// Histograms in one file of counts.
 const IN_FILE: usize = 30;
+/// Words of a node.
+const NODE: usize = 8;
+
+/// The words that all processes of a graph share: wake-ups, epochs, the last reaction of each chain.
+pub struct Page(SharedWords);
+
+impl Page {
+    /// The page of the run of `group`.
+    pub fn map(group: &Group) -> Result<Self, MachineError> {
+        const { assert!((NODE + 2) * MOST <= 1024, "a page has room for all") };
+        let page = SharedWords::map(&format!("{}graph", group.prefix));
+        page.map(Self).map_err(MachineError::cannot("share memory"))
+    }
+
+    /// Counts the messages that help to release a node.
+    pub fn wake(&self, node: usize) -> &AtomicU32 {
+        self.0.word(NODE * node)
+    }
+
+    /// Incarnation of the one process of a node that may send.
+    pub fn epoch(&self, node: usize) -> &AtomicU32 {
+        self.0.word(NODE * node + 1)
+    }
+
+    /// Notes that a chain reacts to the sample acquired at `acquired_ns`; false if it did before, in whatever process.
+    fn reacts(&self, chain: usize, acquired_ns: i64) -> bool {
+        let new = [(acquired_ns >> 32) as u32, acquired_ns as u32];
+        // One process at a time ends a chain.
+        let was = [0, 1].map(|half| {
+            self.0.word(NODE * MOST + 2 * chain + half).swap(new[half], Ordering::Relaxed)
+        });
+        was != new
+    }
+}
+
+/// A named count of a topic, and of one of its readers.
+pub fn count(group: &Group, topic: &str, reader: &str, name: &str) -> Result<Count, RuntimeError> {
+    let file = format!("topic.{}.{reader}", topic.replace('/', "."));
+    ServiceCounts::open(group, file)?.figures().count(name)
+}
 
 /// Counts of a node over all its processes.
-#[derive(Debug)]
 pub struct NodeCounts {
-    counts: ServiceCounts,
+    /// They show the turns of each process's loop.
+    pub own: ServiceCounts,
     pub cycles: Count,
     /// Releases that were left out, because the node was busy or stopped.
     pub skipped: Count,
@@ -25,75 +66,22 @@ pub struct NodeCounts {
     pub work: Latencies,
 }
 
-fn of_node(node: usize) -> String {
-    format!("node{node}")
-}
-
 impl NodeCounts {
-    /// The counts of `node`. A process of it says which one it is.
-    pub fn open(
-        node: usize,
-        incarnation: Option<u32>,
-        group: &Group,
-    ) -> Result<Self, RuntimeError> {
-        let mut counts = ServiceCounts::open(group, of_node(node))?;
-        incarnation.map(|incarnation| counts.begin_account(incarnation)).transpose()?;
-        let figures = counts.figures();
+    /// The counts of a node; `node` is its place.
+    pub fn open(node: usize, group: &Group) -> Result<Self, RuntimeError> {
+        let own = ServiceCounts::open(group, format!("node{node}"))?;
+        let figures = own.figures();
         Ok(Self {
             cycles: figures.count("cycles")?,
             skipped: figures.count("skipped")?,
             jitter: figures.latencies(RELEASE_JITTER)?,
             work: figures.latencies("work")?,
-            counts,
+            own,
         })
     }
-
-    /// The turns of the loop of process `incarnation`; `None` before it keeps an account.
-    pub fn progress(node: usize, incarnation: u32, group: &Group) -> Option<Progress> {
-        ServiceCounts::of(group, of_node(node)).progress(incarnation)
-    }
-
-    /// Shows others that this process lives.
-    pub fn show_progress(&mut self, turns: u64) {
-        self.counts.show_progress(turns);
-    }
-
-    pub fn cycle(&mut self, late_ns: i64, work_ns: i64) {
-        self.cycles.add(1);
-        self.jitter.record_ns(late_ns);
-        self.work.record_ns(work_ns);
-    }
-}
-
-/// Counts of a reader of a topic.
-#[derive(Debug)]
-pub struct ReaderCounts {
-    pub received: Count,
-    /// Messages that a newer one replaced before a cycle used them, here or in the transport's buffer.
-    pub unused: Count,
-    /// Messages that did not pass the end-to-end check, or were of a replaced process.
-    pub refused: Count,
-}
-
-impl ReaderCounts {
-    pub fn open(topic: usize, node: usize, group: &Group) -> Result<Self, RuntimeError> {
-        let counts = ServiceCounts::open(group, format!("topic{topic}.node{node}"))?;
-        let count = |name| counts.figures().count(name);
-        Ok(Self {
-            received: count("received")?,
-            unused: count("unused")?,
-            refused: count("refused")?,
-        })
-    }
-}
-
-/// Messages that were sent on a topic.
-pub fn sent(topic: usize, group: &Group) -> Result<Count, RuntimeError> {
-    ServiceCounts::open(group, format!("topic{topic}"))?.figures().count("sent")
 }
 
 /// The reactions of a chain.
-#[derive(Debug)]
 pub struct Reactions {
     pub times: ChainTimes,
     /// Reaction times in each block of the run.
@@ -106,25 +94,20 @@ pub struct Reactions {
 impl Reactions {
     pub fn open(graph: &Graph, chain: usize, group: &Group) -> Result<Self, RuntimeError> {
         let of = &graph.chains[chain];
-        let counts = |file| ServiceCounts::open(group, format!("chain{chain}.{file}"));
-        let late = counts(0)?.figures().count("late")?;
+        let file = |name: usize| ServiceCounts::open(group, format!("chain{chain}.{name}"));
+        let late = file(0)?.figures().count("late")?;
         let mut opened = 0;
-        let open = |name: &str| {
+        let mut open = |name: &str| {
             opened += 1;
-            counts((opened - 1) / IN_FILE)?.figures().latencies(name)
+            file((opened - 1) / IN_FILE)?.figures().latencies(name)
         };
+        let blocks = (0..BLOCKS).map(|block| open(&format!("block {block}")));
+        let blocks = blocks.collect::<Result<_, _>>()?;
         let names: Vec<String> = (0..PARTS * of.path.len()).map(|part| part.to_string()).collect();
-        let deadline_ns = of.deadline_ns.unwrap_or(i64::MAX);
+        let deadline_ns = of.deadline_ns().unwrap_or(i64::MAX);
         let times = ChainTimes::open(names.iter().map(String::as_str), deadline_ns, late, open)?;
-        let in_blocks = ServiceCounts::open(group, format!("chain{chain}.blocks"))?;
-        let block = |block: usize| in_blocks.figures().latencies(&block.to_string());
-        Ok(Self {
-            times,
-            blocks: (0..BLOCKS).map(block).collect::<Result<_, _>>()?,
-            chain,
-            block_ns: ((graph.duration_s * 1e9) as i64 / BLOCKS as i64).max(1),
-            parts: Vec::with_capacity(names.len()),
-        })
+        let block_ns = graph.duration_s.nanoseconds().cast_signed() / BLOCKS as i64;
+        Ok(Self { times, blocks, chain, block_ns: block_ns.max(1), parts: Vec::new() })
     }
 
     /// Counts what ends at `end_ns` with these stamps: an age, and a reaction to a sample that is new. The run began at

@@ -7,105 +7,97 @@
 //! So the last node of a chain finds all stamps of the way in one message, as the car's plant does in a command. Stamps
 //! are `CLOCK_MONOTONIC` ns.
 
-use crate::plan::{Graph, Topic};
+use crate::plan::Graph;
 use messages::Header;
 use messages::e2e::profile7;
 use runtime::chain::part;
+use std::ops::Range;
 
-/// Stamps of one node: its release, the start of its wait, the start of the cycle, and its end.
+/// Stamps of a node: its release, the start of its wait, the start of the cycle, and its end.
 pub const STAMPS: usize = 4;
 /// Parts of a reaction that a node makes up: wait, wake-up, work.
 pub const PARTS: usize = 3;
 /// Messages up to this length are protected whole. In longer ones header and trails are, as in the car's.
 const PROTECTED_WHOLE: usize = 4 << 10;
 
-/// Words of the trail of a chain over this number of nodes.
-const fn words(nodes: usize) -> usize {
-    1 + STAMPS * nodes
+/// Places in the messages of a topic.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Length of a message, bytes: at least header and trails.
+    pub length: usize,
+    /// Bytes of header and trails.
+    pub used: usize,
+    /// The trail of each chain.
+    trails: Vec<(usize, Range<usize>)>,
+    data_id: u32,
 }
 
-/// Place of the trail of `chain` in the messages of `topic`; `None` if the chain takes another way.
-pub fn place(topic: &Topic, chain: usize) -> Option<std::ops::Range<usize>> {
-    let mut start = size_of::<Header>();
-    for &(of, nodes) in &topic.chains {
-        let end = start + 8 * words(nodes);
-        if of == chain {
-            return Some(start..end);
+impl Layout {
+    pub fn of(graph: &Graph, topic: &str) -> Self {
+        let mut used = size_of::<Header>();
+        let mut trails = Vec::new();
+        for (chain, nodes) in graph.chains_over(topic) {
+            let begin = used;
+            used += 8 * (1 + STAMPS * nodes);
+            trails.push((chain, begin..used));
         }
-        start = end;
+        let number = graph.topics.keys().position(|known| known == topic).unwrap_or_default();
+        let data_id =
+            (number as u32 + 1) << 16 | (graph.writer(topic).unwrap_or_default() as u32 + 1);
+        Self { length: used.max(graph.topics[topic] as usize), used, trails, data_id }
     }
-    None
-}
 
-/// Bytes of header and trails.
-pub fn used(topic: &Topic) -> usize {
-    size_of::<Header>() + topic.chains.iter().map(|&(_, nodes)| 8 * words(nodes)).sum::<usize>()
-}
+    fn protected(&self) -> usize {
+        if self.length <= PROTECTED_WHOLE { self.length } else { self.used }
+    }
 
-/// Length of a topic's messages, bytes: at least that of header and trails.
-pub fn length(topic: &Topic) -> usize {
-    topic.bytes.max(used(topic))
-}
+    /// Writes header and trails into a message, and protects it. A chain without a trail leaves zeros.
+    pub fn write<'a>(
+        &self,
+        bytes: &mut [u8],
+        header: &Header,
+        trail: impl Fn(usize) -> Option<&'a [i64]>,
+    ) {
+        bytes[..size_of::<Header>()].copy_from_slice(bytemuck::bytes_of(header));
+        for (chain, place) in &self.trails {
+            let to = &mut bytes[place.clone()];
+            to.fill(0);
+            for (to, stamp) in to.chunks_exact_mut(8).zip(trail(*chain).unwrap_or_default()) {
+                to.copy_from_slice(&stamp.to_le_bytes());
+            }
+        }
+        profile7::protect(&mut bytes[..self.protected()], self.data_id, header.sequence as u32);
+    }
 
-/// The protected part of a message.
-fn protected(topic: &Topic) -> usize {
-    if length(topic) <= PROTECTED_WHOLE { length(topic) } else { used(topic) }
-}
+    /// The header of a message that passes the end-to-end check.
+    pub fn read(&self, bytes: &[u8]) -> Option<Header> {
+        profile7::check(bytes.get(..self.protected())?, self.data_id).ok()?;
+        Some(bytemuck::pod_read_unaligned(&bytes[..size_of::<Header>()]))
+    }
 
-/// Data ID of the end-to-end protection of a topic's messages: topic and sender.
-fn data_id(topic: usize, writer: usize) -> u32 {
-    (topic as u32 + 1) << 16 | (writer as u32 + 1)
-}
-
-/// Writes header and trails into a message of `topic`, and protects it.
-pub fn write<'a>(
-    bytes: &mut [u8],
-    graph: &Graph,
-    topic: usize,
-    header: &Header,
-    trails: impl Iterator<Item = (usize, &'a [i64])>,
-) {
-    let of = &graph.topics[topic];
-    bytes[..size_of::<Header>()].copy_from_slice(bytemuck::bytes_of(header));
-    for (chain, trail) in trails {
-        let Some(place) = place(of, chain) else { continue };
-        // A chain whose message did not come yet leaves zeros.
-        bytes[place.clone()].fill(0);
-        for (to, stamp) in bytes[place].chunks_exact_mut(8).zip(trail) {
-            to.copy_from_slice(&stamp.to_le_bytes());
+    /// Puts the trail of a chain into `to`, which stays empty if the chain has not begun.
+    pub fn trail(&self, bytes: &[u8], chain: usize, to: &mut Vec<i64>) {
+        let found = self.trails.iter().find(|(of, _)| *of == chain);
+        let found = found.and_then(|(_, place)| bytes.get(place.clone())).unwrap_or_default();
+        let word = |bytes: &[u8]| i64::from_le_bytes(bytes.try_into().expect("eight bytes"));
+        to.extend(found.chunks_exact(8).map(word));
+        if to.first() == Some(&0) {
+            to.clear();
         }
     }
-    let counter = header.sequence as u32;
-    let id = data_id(topic, of.writer.unwrap_or_default());
-    profile7::protect(&mut bytes[..protected(of)], id, counter);
 }
 
-/// The header of a message that passes the end-to-end check.
-pub fn read(bytes: &[u8], graph: &Graph, topic: usize) -> Option<Header> {
-    let of = &graph.topics[topic];
-    let id = data_id(topic, of.writer.unwrap_or_default());
-    profile7::check(bytes.get(..protected(of))?, id).ok()?;
-    Some(bytemuck::pod_read_unaligned(&bytes[..size_of::<Header>()]))
-}
-
-/// Appends the stamps of a trail to `to`; false if its chain has not begun.
-pub fn stamps(bytes: &[u8], to: &mut Vec<i64>) -> bool {
-    let word = |bytes: &[u8]| i64::from_le_bytes(bytes.try_into().expect("eight bytes"));
-    to.extend(bytes.chunks_exact(8).map(word));
-    to.first().is_some_and(|acquired_ns| *acquired_ns != 0)
-}
-
-/// The parts of a reaction whose stamps are `trail`, [`PARTS`] for each node, into `parts`. Returns the waits that are
-/// designed, ns: those for the release of a timer, or for another topic.
+/// The parts of a reaction with these stamps, [`PARTS`] for each node, into `parts`. Returns the designed waits among
+/// them, ns: those for the release of a timer, or for another topic.
 pub fn parts(trail: &[i64], parts: &mut Vec<i64>) -> i64 {
     parts.clear();
-    let mut reached_ns = trail[0];
-    let mut designed_ns = 0;
+    let (mut reached_ns, mut designed_ns) = (trail[0], 0);
     for stamps in trail[1..].chunks_exact(STAMPS) {
         let [due, idle, start, end] = stamps else { continue };
         let sent_ns = reached_ns;
-        let is_source = parts.is_empty();
-        let wait = part(&mut reached_ns, if is_source { *due } else { *due.max(idle) });
+        // The source's release is the acquisition, however busy it is.
+        let ready = if parts.is_empty() { due } else { due.max(idle) };
+        let wait = part(&mut reached_ns, *ready);
         designed_ns += wait.min((due - sent_ns).max(0));
         parts.extend([wait, part(&mut reached_ns, *start), part(&mut reached_ns, *end)]);
     }
@@ -138,20 +130,19 @@ mod tests {
             [[chains]]\nname = \"whole\"\npath = [\"x\", \"y\", \"z\"]\n\
             [[chains]]\nname = \"end\"\npath = [\"y\", \"z\"]\n";
         let graph = Graph::parse("two.toml", text).expect("right");
-        let mut bytes = vec![0; length(&graph.topics[1])];
+        let layout = Layout::of(&graph, "b");
+        let mut bytes = vec![0; layout.length];
         let header = Header::new(7, 5, messages::Origins::NONE);
-        let (whole, end) = ([1, 2, 3, 4, 5, 6, 7, 8, 9], [6, 6, 7, 8, 9]);
-        let trails = [(0, &whole[..]), (1, &end[..])];
-        write(&mut bytes, &graph, 1, &header, trails.into_iter());
-        assert_eq!(read(&bytes, &graph, 1).map(|header| header.step), Some(7));
-        for (chain, stamped) in trails {
+        let trails = [&[1, 2, 3, 4, 5, 6, 7, 8, 9][..], &[6, 6, 7, 8, 9]];
+        layout.write(&mut bytes, &header, |chain| Some(trails[chain]));
+        assert_eq!(layout.read(&bytes).map(|header| header.step), Some(7));
+        for (chain, stamped) in trails.into_iter().enumerate() {
             let mut found = Vec::new();
-            let place = place(&graph.topics[1], chain).expect("both go over it");
-            assert!(stamps(&bytes[place], &mut found));
+            layout.trail(&bytes, chain, &mut found);
             assert_eq!(found, stamped);
         }
-        assert!(place(&graph.topics[0], 1).is_none(), "it begins later");
+        assert_eq!(Layout::of(&graph, "a").trails.len(), 1, "the second chain begins later");
         bytes[size_of::<Header>() + 3] ^= 1;
-        assert!(read(&bytes, &graph, 1).is_none());
+        assert!(layout.read(&bytes).is_none());
     }
 }
