@@ -23,8 +23,6 @@ const LAYERS: [&[&str]; 11] = [
     // Mathematics that studies alone use stands beside their frame.
     &["frame", "gaussian-process", "rare-events"],
     &["studies/"],
-    // Links to other people's tools, which the command alone uses.
-    &["links/"],
 ];
 
 /// Crates of one layer that depend on each other in this order.
