@@ -107,6 +107,34 @@ fn a_chain_that_is_late_is_status_1() {
 }
 
 #[test]
+fn a_run_is_judged_by_an_earlier_one() {
+    let corner = Corner::new(PROGRAM);
+    let (status, report, said) = run(&corner, GRAPH, "0.6");
+    assert_eq!(status, Some(0), "{said}");
+    let samples = report["samples"].as_array().expect("two figures a chain");
+    assert_eq!(samples.len(), 4);
+    // A baseline with reactions of no time at all, in each block.
+    let mut fast = report.clone();
+    for sample in fast["samples"].as_array_mut().expect("a list") {
+        let values = sample["values"].as_array_mut().expect("a value a block");
+        values.iter_mut().for_each(|value| *value = 0.0.into());
+    }
+    std::fs::write(corner.path().join("fast.json"), fast.to_string()).expect("our own corner");
+    let gate = ["bench", "--graph", "g.toml", "--seconds", "0.6", "--json", "--against"];
+    let output = corner.run(&[&gate[..], &["fast.json", "--junit", "gate.xml"]].concat());
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    let judged: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let worse = judged["against"]["differences"].as_array().expect("a list");
+    assert!(worse.iter().any(|change| change["better"] == false), "{worse:?}");
+    let junit = std::fs::read_to_string(corner.path().join("gate.xml")).expect("written");
+    assert!(junit.contains("<failure"), "{junit}");
+    std::fs::write(corner.path().join("none.json"), "{}").expect("our own corner");
+    let output = corner.run(&[&gate[..], &["none.json"]].concat());
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert!(text(&output).contains("--against none.json: it has no samples"), "{}", text(&output));
+}
+
+#[test]
 fn what_cannot_be_run_is_refused_with_its_place() {
     let corner = Corner::new(PROGRAM);
     for (was, is, status, words) in [

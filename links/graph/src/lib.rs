@@ -25,11 +25,12 @@ use bench::plan::progress_bar;
 use bench::stage::Stage;
 use group::Launcher;
 use plan::{Graph, ns};
+use report::gate::Baseline;
 use report::output::OutputDirectory;
 use report::results::Schema;
 use runtime::scheduling::usable_cores;
 use scenario::quantity::Duration as Seconds;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -115,6 +116,8 @@ pub fn run(file: &Path, arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let mut graph = Graph::open(file)?;
     graph.duration_s = arguments.seconds.map_or(graph.duration_s, Seconds::of);
     graph.check_machine(file)?;
+    let read = |file: &PathBuf| Baseline::read(file, "the graph.json of an earlier run");
+    let baseline = arguments.against.as_ref().map(read).transpose()?;
     let output = OutputDirectory::create(&arguments.results.output, "graph")?;
     let interrupted = Arc::new(AtomicBool::new(false));
     supervise::flag_end(&interrupted)?;
@@ -133,7 +136,7 @@ pub fn run(file: &Path, arguments: &BenchArguments) -> Result<ExitCode, Error> {
     launcher.end();
     let floor = metronome.finish()?;
     ran?;
-    let document = results::document(&graph, launcher, &floor)?;
+    let document = results::document(&graph, launcher, &floor, baseline.as_ref())?;
     arguments.results.deliver(&document, &output)?;
     Ok(document.exit_code())
 }

@@ -7,17 +7,18 @@ use crate::times::{self, Reactions};
 use crate::trail::{Layout, PARTS};
 use bench::peer::Outcome;
 use report::chart::{Stroke, Tone};
+use report::gate::{Against, Baseline, Sample};
 use report::html::figure;
 use report::output::{HISTOGRAMS, histogram_log};
 use report::print::duration;
-use report::results::{Broken, Column, Document, Object, Table, count, micros, number, word};
+use report::results::{Broken, Column, Document, Good, Object, Table, count, micros, number, word};
 use report::summary::Host;
 use report::{Distribution, distributions};
-use runtime::RuntimeError;
 use runtime::statistics::{Latencies, Percentiles};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
+use supervise::Error;
 
 /// Percentiles, µs.
 #[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
@@ -51,6 +52,11 @@ pub struct Report {
     pub topics: Vec<TopicRow>,
     #[schemars(with = "Vec<Object>")]
     pub faults: Vec<Record>,
+    /// Figures of each block of the run, for `--against`.
+    #[schemars(with = "Vec<Object>")]
+    pub samples: Vec<Sample>,
+    /// The run against that of `--against`; null without it.
+    pub against: Option<Against>,
 }
 
 #[derive(Debug, Serialize, JsonSchema)]
@@ -69,8 +75,6 @@ pub struct ChainRow {
     pub designed_wait_us: Us,
     /// Reaction time without them.
     pub net_reaction_us: Us,
-    /// Reaction times in blocks of equal length, for a comparison with another run.
-    pub blocks: Vec<Us>,
 }
 
 /// The part of a chain's reactions that a node makes up.
@@ -141,9 +145,11 @@ pub fn document(
     graph: &Graph,
     launcher: Launcher<'_>,
     floor: &Outcome,
-) -> Result<Document, RuntimeError> {
+    baseline: Option<&Baseline>,
+) -> Result<Document, Error> {
     let Launcher { group, members, records, broken, .. } = &launcher;
     let (mut chains, mut hops, mut pictures) = (Vec::new(), Vec::new(), String::new());
+    let mut samples = Vec::new();
     let mut histograms = vec![("sleep".to_owned(), floor.latencies.clone())];
     for (number, chain) in graph.chains.iter().enumerate() {
         let Reactions { times, blocks, .. } = Reactions::open(graph, number, group)?;
@@ -161,7 +167,6 @@ pub fn document(
             data_age_us: (&times.age).into(),
             designed_wait_us: (&times.designed_wait).into(),
             net_reaction_us: (&times.net_reaction).into(),
-            blocks: blocks.iter().map(Us::from).collect(),
         });
         for (node, parts) in chain.path.iter().zip(times.parts.chunks(PARTS)) {
             let [wait_us, wake_us, work_us] = [0, 1, 2].map(|part| Us::from(&parts[part]));
@@ -173,6 +178,14 @@ pub fn document(
                 work_us,
             });
         }
+        let mut sample = |figure: &str, value: fn(&Percentiles) -> f64| {
+            let values = blocks.iter().map(|block| block.percentiles_us().as_ref().map(value));
+            let (of, figure, values) = (name.clone(), figure.to_owned(), values.collect());
+            let (good, shown, is_exact) = (Good::Less, 0.05, false);
+            samples.push(Sample { of, figure, values, good, shown, is_exact });
+        };
+        sample("reaction time p50, µs", |us| us.p50);
+        sample("reaction time p99, µs", |us| us.p99);
         pictures += &picture(&name, [&times.reaction, &times.age, &floor.latencies]);
         histograms.push((format!("reaction_time:{number}"), times.reaction));
         histograms.push((format!("data_age:{number}"), times.age));
@@ -218,6 +231,8 @@ pub fn document(
         refused: refused.collect(),
         broken: broken.clone(),
         floor_us: (&floor.latencies).into(),
+        against: baseline.map(|file| file.judge(&samples)).transpose()?,
+        samples,
         hops,
         nodes: nodes.collect(),
         topics,
@@ -233,7 +248,7 @@ pub fn document(
     let kind = if *realtime_kernel { ", real-time kernel" } else { "" };
     let facts = report.refused.iter().map(|why| ("not granted".to_owned(), why.clone()));
     let table = |heading, columns: &[Column<_>], rows| Table::new(heading, columns, rows);
-    Ok(Document::new("graph", &format!("Graph {}", report.graph), &report)
+    let document = Document::new("graph", &format!("Graph {}", report.graph), &report)
         .about(format!("{cpus} processors, Linux {kernel}{kind}, {} s", report.seconds))
         .facts("Not granted", facts.collect())
         .table(table("Chains", &chain_columns(), &report.chains))
@@ -244,7 +259,11 @@ pub fn document(
         .table(Table::new("Faults", &fault_columns(), &report.faults).without_cases())
         .file(HISTOGRAMS, histogram_log(&histograms))
         .verdict(report.ok, verdict)
-        .broken(why))
+        .broken(why);
+    Ok(match &report.against {
+        Some(against) => against.onto(document),
+        None => document,
+    })
 }
 
 fn chain_columns() -> [Column<ChainRow>; 12] {

@@ -35,6 +35,7 @@ mod columns;
 mod document;
 mod exposure;
 mod file;
+mod gate;
 mod jobs;
 mod launcher_death;
 mod measured;

@@ -10,15 +10,17 @@ use super::plan::{Plan, plan};
 use super::record::Record;
 use super::sums::Sums;
 use super::verdict::{Scope, Verdict};
-use super::{jobs, launcher_death};
+use super::{gate, jobs, launcher_death};
 use clap::Args;
 use frame::batch::{Done, Job};
 use frame::{Command, Crew, DriveOptions, Entry, Found, Recorded, RunOptions, Study, batch, parts};
+use report::gate::Baseline;
 use report::results::{Column, Document};
 use runtime::Mode;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::num::{NonZeroU32, NonZeroUsize};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use supervise::{Error, GroupOptions};
 
@@ -67,13 +69,15 @@ struct FileCampaign {
     /// Start of the processes, for the drives without faults too.
     group: GroupOptions,
     may_kill_launcher: bool,
+    baseline: Option<Baseline>,
 }
 
 impl FileCampaign {
     fn of(campaign: Campaign, options: &RunOptions) -> Result<Self, Error> {
         let plan = plan(&campaign)?;
         let may_kill_launcher = campaign.faults.iter().any(launcher_death::may_be);
-        Ok(Self { campaign, plan, group: options.group.clone(), may_kill_launcher })
+        let (group, baseline) = (options.group.clone(), None);
+        Ok(Self { campaign, plan, group, may_kill_launcher, baseline })
     }
 
     /// Reads scenarios before anything runs: all of a small campaign, or evenly spread ones of a large one.
@@ -111,7 +115,10 @@ impl Study for FileCampaign {
 
     fn plan(arguments: &CampaignArguments, options: &RunOptions) -> Result<Self, Error> {
         let text = arguments.effective.as_deref().unwrap_or_default();
-        Self::of(Campaign::parse(parts::FILE, text)?, options)
+        let study = Self::of(Campaign::parse(parts::FILE, text)?, options)?;
+        let read =
+            |file: &PathBuf| Baseline::read(file, "the campaign.json of an earlier campaign");
+        Ok(Self { baseline: arguments.against.as_ref().map(read).transpose()?, ..study })
     }
 
     fn subject(&self) -> Result<String, Error> {
@@ -176,7 +183,22 @@ impl Study for FileCampaign {
             records.each(&mut |_, record| Ok(blame.add(record)?))?;
             (verdict.failures, verdict.broken) = blame.found();
         }
-        Ok(document(&verdict, &sums.all))
+        if shard.is_none() {
+            let mut records_of = Vec::new();
+            records.each(&mut |_, record| {
+                records_of.push(gate::Run::of(record));
+                Ok(())
+            })?;
+            verdict.samples = gate::samples(&records_of, self.campaign.mode);
+        }
+        // A part is compared when it is merged.
+        let baseline = self.baseline.as_ref().filter(|_| shard.is_none());
+        verdict.against = baseline.map(|file| file.judge(&verdict.samples)).transpose()?;
+        let document = document(&verdict, &sums.all);
+        Ok(match &verdict.against {
+            Some(against) => against.onto(document),
+            None => document,
+        })
     }
 }
 
@@ -197,6 +219,9 @@ pub struct CampaignArguments {
     /// Runs of every combination, each with a seed of its own [default: as in the file]
     #[arg(long, value_name = "N")]
     pub seeds: Option<NonZeroU32>,
+    /// Judge the runs by an earlier result, its campaign.json: a figure that got worse is status 1
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
     /// Laws that drive in place of the file's, and keys and requirements of all runs.
     #[command(flatten)]
     pub drives: DriveOptions,

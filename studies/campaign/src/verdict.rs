@@ -5,6 +5,8 @@ use super::exposure::Exposure;
 use super::file::Campaign;
 use super::plan::Plan;
 use super::sums::{Combination, Limit, Shared, Sums, Tally};
+use report::gate::{Against, Sample};
+use report::results::Object;
 use runtime::Mode;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -40,6 +42,11 @@ pub struct Verdict {
     pub faults: Vec<Shared>,
     pub failures: Vec<Failure>,
     pub broken: Vec<Broken>,
+    /// Figures of each run, for `--against`; empty in a part.
+    #[schemars(with = "Vec<Object>")]
+    pub samples: Vec<Sample>,
+    /// The runs against those of `--against`; null without it.
+    pub against: Option<Against>,
 }
 
 /// A limit and what was found.
@@ -109,6 +116,8 @@ impl Verdict {
             faults: sums.faults(),
             failures: Vec::new(),
             broken: Vec::new(),
+            samples: Vec::new(),
+            against: None,
         }
     }
 

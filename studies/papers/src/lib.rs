@@ -22,10 +22,13 @@ pub mod trips;
 
 pub use page::schema;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use frame::{Command, Entry};
+use report::gate::{Against, Sample};
+use report::results::Object;
 use row::Row;
 use runner::{Pictures, Piece};
 use schemars::JsonSchema;
@@ -45,6 +48,11 @@ struct Reproduction {
     /// Every compared figure is within its tolerance.
     ok: bool,
     papers: Vec<Paper>,
+    /// Figures of each row, for `--against`.
+    #[schemars(with = "Vec<Object>")]
+    samples: Vec<Sample>,
+    /// The rows against those of `--against`; null without it.
+    against: Option<Against>,
 }
 
 #[derive(Debug, Serialize, JsonSchema)]
@@ -66,6 +74,9 @@ pub struct ReproduceArguments {
     /// Standard deviation of the skilled driver's aimed speed, km/h
     #[arg(long, value_name = "KMH", default_value_t = 2.5, value_parser = spread)]
     pub driver_spread: f64,
+    /// Judge the rows by an earlier result, its reproduce.json: one that got worse is status 1
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
     /// Seeded variants of each scene in which the default law drives, at most 250
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=250))]
     pub variants: u32,

@@ -1,7 +1,9 @@
 //! The papers as a study: each piece of a paper is a run.
 
 use frame::{Crew, Found, Needs, Recorded, RunOptions, Study};
-use report::results::Document;
+use report::gate::{Baseline, Sample};
+use report::results::{Document, Good};
+use std::path::PathBuf;
 use supervise::Error;
 
 use super::row::{Row, Verdict};
@@ -16,6 +18,7 @@ pub struct Papers {
     pieces: Vec<(PaperName, Piece)>,
     /// Standard deviation of the skilled driver's aimed speed, m/s.
     driver_spread_mps: f64,
+    baseline: Option<Baseline>,
 }
 
 impl Study for Papers {
@@ -32,7 +35,10 @@ impl Study for Papers {
             paper.pieces(arguments.variants).into_iter().map(move |piece| (paper, piece))
         };
         let pieces = papers.iter().flat_map(of_paper).collect();
-        Ok(Self { papers, pieces, driver_spread_mps: arguments.driver_spread / 3.6 })
+        let read = |file: &PathBuf| Baseline::read(file, "the reproduce.json of an earlier run");
+        let baseline = arguments.against.as_ref().map(read).transpose()?;
+        let driver_spread_mps = arguments.driver_spread / 3.6;
+        Ok(Self { papers, pieces, driver_spread_mps, baseline })
     }
 
     fn runs(&self) -> usize {
@@ -67,7 +73,14 @@ impl Study for Papers {
             paper.rows.extend(rows);
             paper.pictures.extend(seen.remove(&run).unwrap_or_default());
         }
-        Ok(page::document(&reproduction(papers)))
+        let mut whole = reproduction(papers);
+        let baseline = self.baseline.as_ref();
+        whole.against = baseline.map(|file| file.judge(&whole.samples)).transpose()?;
+        let document = page::document(&whole);
+        Ok(match &whole.against {
+            Some(against) => against.onto(document),
+            None => document,
+        })
     }
 }
 
@@ -84,7 +97,25 @@ pub fn reproduction(mut papers: Vec<Paper>) -> Reproduction {
     }
     let mut rows = papers.iter().flat_map(|paper| &paper.rows);
     let ok = rows.all(|row| row.verdict() != Verdict::Outside);
-    Reproduction { schema_version: 1, ok, papers }
+    let samples = papers.iter().flat_map(samples).collect();
+    Reproduction { schema_version: 1, ok, papers, samples, against: None }
+}
+
+/// The accepted rows of a paper, and by how much of its tolerance each row differs. Every row repeats exactly.
+fn samples(paper: &Paper) -> [Sample; 2] {
+    let sample = |figure: &str, good, shown, is_exact, value: fn(&Row) -> Option<f64>| {
+        let values = paper.rows.iter().map(value).collect();
+        let (of, figure) = (paper.paper.to_owned(), figure.to_owned());
+        Sample { of, figure, values, good, shown, is_exact }
+    };
+    let deviation = |row: &Row| {
+        let tolerance = row.tolerance.filter(|tolerance| *tolerance > 0.0)?;
+        Some((row.ours? - row.expected?).abs() / tolerance)
+    };
+    [
+        sample("accepted", Good::More, 0.0, true, |row| Some(f64::from(u8::from(row.ok)))),
+        sample("difference over tolerance", Good::Less, 0.01, false, deviation),
+    ]
 }
 
 /// Puts the rows of each set together. The sets keep their order.

@@ -1,82 +1,56 @@
-//! Comparison with an earlier benchmark, on this or another machine, by ratios to the floor.
+//! Figures over their floor, by which a benchmark is compared with an earlier one, on this or another machine.
+//!
+//! The pairs are the rows of both: the same conditions, sizes and periods.
 
-use super::results::{Change, Report, TransportRow};
+use super::results::Report;
+use report::gate::Sample;
+use report::results::Good;
 use runtime::statistics::Percentiles;
-use std::path::Path;
-use supervise::{Error, UsageError};
 
 /// Fewest samples for a meaningful 99th percentile.
 const ENOUGH: u64 = 1000;
 /// Misses above the floor's that may be chance.
 const CHANCE: f64 = 5.0;
 
-pub fn read(path: &Path) -> Result<Report, Error> {
-    let text = std::fs::read_to_string(path).map_err(Error::path("read", path))?;
-    let mistake = |reason: serde_json::Error| {
-        let place = format!("{}:{}:{}", path.display(), reason.line(), reason.column());
-        UsageError::at(place, reason, "a file of `timegap bench --save`")
+/// The figures of a report. A growth by less than `factor` is not worse.
+pub fn samples(report: &Report, factor: f64) -> Vec<Sample> {
+    let over = |of: fn(&Percentiles) -> f64, least: u64| {
+        let ratio = move |row: &super::results::TransportRow| {
+            let us = row.us.filter(|us| us.count >= least)?;
+            Some(of(&us) / of(&report.futex(row.conditions, row.period_us)?))
+        };
+        report.transport_us.iter().map(ratio).collect::<Vec<_>>()
     };
-    Ok(serde_json::from_str(&text).map_err(mistake)?)
-}
-
-/// The figures of both reports side by side. A ratio that grew by more than `factor` is worse.
-pub fn compare(then: &Report, now: &Report, factor: f64) -> Vec<Change> {
-    let mut changes = Vec::new();
-    let mut add = |what: String, then: f64, now: f64| {
-        changes.push(Change { what, then, now, worse: now > factor * then });
+    let net = report.chain.iter().map(|row| Some(row.net_reaction_us?.p50 / row.floor_sum_us?));
+    let excess = report.deadlines.iter().map(|row| {
+        let excess = row.misses_per_million? - row.floor_misses_per_million?;
+        let by_chance = CHANCE * 1e6 / row.cycles?.max(1) as f64;
+        Some(if excess > by_chance { excess } else { 0.0 })
+    });
+    let sample = |of: &str, figure: &str, values: Vec<Option<f64>>| {
+        let found: Vec<f64> = values.iter().copied().flatten().collect();
+        let mean = found.iter().sum::<f64>() / found.len().max(1) as f64;
+        // Now is `factor` times what it was if the difference is this part of now.
+        let shown = mean * (1.0 - 1.0 / factor);
+        let (of, figure) = (of.to_owned(), figure.to_owned());
+        Sample { of, figure, values, good: Good::Less, shown, is_exact: false }
     };
-    for row in &now.transport_us {
-        let same = |other: &&TransportRow| {
-            (other.conditions, other.period_us, other.bytes, other.passing)
-                == (row.conditions, row.period_us, row.bytes, row.passing)
-        };
-        let over = |report: &Report, row: &TransportRow| {
-            row.us.zip(report.futex(row.conditions, row.period_us))
-        };
-        let Some(before) = then.transport_us.iter().find(same) else { continue };
-        let (Some(before), Some(after)) = (over(then, before), over(now, row)) else { continue };
-        let what = format!("transport of {} B, {}", row.bytes, row.conditions.in_words());
-        let ratio = |(us, floor): (Percentiles, Percentiles), of: fn(&Percentiles) -> f64| {
-            of(&us) / of(&floor)
-        };
-        add(format!("{what}, p50"), ratio(before, |p| p.p50), ratio(after, |p| p.p50));
-        if before.0.count >= ENOUGH && after.0.count >= ENOUGH {
-            add(format!("{what}, p99"), ratio(before, |p| p.p99), ratio(after, |p| p.p99));
-        }
-    }
-    for row in &now.chain {
-        let key = (row.conditions, row.period_us);
-        let ratio = |report: &Report| {
-            let row = report.chain(key.0, key.1)?;
-            Some(row.net_reaction_us?.p50 / row.floor_sum_us?)
-        };
-        if let (Some(before), Some(after)) = (ratio(then), ratio(now)) {
-            let what = format!("net reaction at {} ms, {}", key.1 / 1000, key.0.in_words());
-            add(format!("{what}, p50"), before, after);
-        }
-    }
-    for row in &now.deadlines {
-        let key = (row.conditions, row.period_us);
-        let excess = |report: &Report| {
-            let row = report.deadlines.iter().find(|r| (r.conditions, r.period_us) == key)?;
-            let excess = (row.misses_per_million? - row.floor_misses_per_million?).max(0.0);
-            Some((excess, excess * row.cycles? as f64 / 1e6))
-        };
-        if let (Some((before, _)), Some((after, misses))) = (excess(then), excess(now)) {
-            let what =
-                format!("misses over the floor's at {} ms, {}", key.1 / 1000, key.0.in_words());
-            let worse = after > factor * before && misses > CHANCE;
-            changes.push(Change { what, then: before, now: after, worse });
-        }
-    }
-    changes
+    vec![
+        sample("transport over futex", "p50", over(|us| us.p50, 1)),
+        sample("transport over futex", "p99", over(|us| us.p99, ENOUGH)),
+        sample("net reaction over its floors", "p50", net.collect()),
+        sample("controller", "misses over the floor's, per million", excess.collect()),
+    ]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::results::{DeadlineRow, Floor, FloorMeasure, FloorRow, Passing};
+    use super::super::results::{
+        DeadlineRow, Floor, FloorMeasure, FloorRow, Passing, TransportRow,
+    };
     use super::super::setup::{Conditions, Load, Placement, Scheduling};
     use super::*;
+    use report::gate::Baseline;
     use report::summary::Host;
 
     const CONDITIONS: Conditions = Conditions {
@@ -90,15 +64,31 @@ mod tests {
         Some(Percentiles { p50: us, p90: us, p99: us, p999: us, p9999: us, max: us, count })
     }
 
+    /// Twelve sizes and periods, each with this transport over this futex.
     fn report(futex_us: f64, transport_us: f64, misses: u64) -> Report {
         let mut floor = Floor::default();
-        let futex = FloorRow {
-            measure: FloorMeasure::Futex,
+        let (measure, period_us) = (FloorMeasure::Futex, 1000);
+        floor
+            .add(FloorRow { measure, conditions: CONDITIONS, period_us, us: flat(futex_us) }, 1000);
+        let transport = |size: usize| TransportRow {
             conditions: CONDITIONS,
-            period_us: 1000,
-            us: flat(futex_us),
+            period_us,
+            bytes: 64 * size,
+            passing: Passing::Bare,
+            copied_bytes: Some(0.0),
+            lost: Some(0),
+            us: flat(transport_us * (1.0 + 0.01 * size as f64)),
         };
-        floor.add(futex, 1000);
+        let deadline = |_| DeadlineRow {
+            conditions: CONDITIONS,
+            period_us,
+            cycles: Some(10_000),
+            misses: Some(misses),
+            misses_per_million: Some(misses as f64 * 100.0),
+            floor_cycles: Some(10_000),
+            floor_misses: Some(2),
+            floor_misses_per_million: Some(200.0),
+        };
         Report {
             schema_version: 1,
             host: Host::this(),
@@ -107,58 +97,33 @@ mod tests {
             wake_ups: None,
             refused: Default::default(),
             floor,
-            transport_us: vec![TransportRow {
-                conditions: CONDITIONS,
-                period_us: 1000,
-                bytes: 64,
-                passing: Passing::Bare,
-                copied_bytes: Some(0.0),
-                lost: Some(0),
-                us: flat(transport_us),
-            }],
+            transport_us: (0..12).map(transport).collect(),
             chain: Vec::new(),
-            deadlines: vec![DeadlineRow {
-                conditions: CONDITIONS,
-                period_us: 1000,
-                cycles: Some(10_000),
-                misses: Some(misses),
-                misses_per_million: Some(misses as f64 * 100.0),
-                floor_cycles: Some(10_000),
-                floor_misses: Some(2),
-                floor_misses_per_million: Some(200.0),
-            }],
+            deadlines: (0..12).map(deadline).collect(),
             paired: Vec::new(),
             goals: Vec::new(),
             caveats: Vec::new(),
+            samples: Vec::new(),
             against: None,
         }
     }
 
-    fn worse(then: &Report, now: &Report) -> Vec<bool> {
-        compare(then, now, 1.5).iter().map(|change| change.worse).collect()
+    fn holds(name: &str, then: Report, now: &Report) -> bool {
+        let file = std::env::temp_dir().join(format!("timegap-{name}-{}", std::process::id()));
+        let samples = samples(&then, 1.5);
+        let then = serde_json::to_string(&Report { samples, ..then }).expect("plain data");
+        std::fs::write(&file, then).expect("writable");
+        let baseline = Baseline::read(&file, "a result");
+        std::fs::remove_file(&file).expect("ours");
+        let now = super::samples(now, 1.5);
+        baseline.expect("our own").judge(&now).expect("the same rows").holds()
     }
 
     #[test]
-    fn a_slower_machine_is_no_worse_but_a_slower_transport_is() {
-        assert_eq!(worse(&report(10.0, 12.0, 2), &report(30.0, 36.0, 2)), [false; 3]);
-        assert_eq!(worse(&report(10.0, 12.0, 2), &report(10.0, 19.0, 2)), [true, true, false]);
-    }
-
-    #[test]
-    fn few_misses_are_chance_and_many_are_not() {
-        assert_eq!(worse(&report(10.0, 12.0, 2), &report(10.0, 12.0, 7)), [false; 3]);
-        assert_eq!(worse(&report(10.0, 12.0, 2), &report(10.0, 12.0, 8)), [false, false, true]);
-    }
-
-    #[test]
-    fn a_report_survives_its_journey_and_nonsense_says_where() {
-        let text = serde_json::to_string(&report(10.0, 12.0, 2)).expect("plain data");
-        let back: Report = serde_json::from_str(&text).expect("our own");
-        assert_eq!(compare(&back, &report(10.0, 12.0, 2), 1.5).len(), 3);
-        let path = std::env::temp_dir().join(format!("timegap-base-{}", std::process::id()));
-        std::fs::write(&path, "{\n  \"floor\": 3\n}").expect("writable");
-        let error = read(&path).expect_err("not a report").to_string();
-        std::fs::remove_file(&path).expect("ours");
-        assert!(error.contains(":2:") && error.contains("--save"), "{error}");
+    fn a_slower_machine_is_no_worse_but_a_slower_transport_and_more_misses_are() {
+        assert!(holds("slower", report(10.0, 12.0, 2), &report(30.0, 36.0, 2)));
+        assert!(holds("little", report(10.0, 12.0, 2), &report(10.0, 15.0, 7)));
+        assert!(!holds("transport", report(10.0, 12.0, 2), &report(10.0, 19.0, 2)));
+        assert!(!holds("misses", report(10.0, 12.0, 2), &report(10.0, 12.0, 8)));
     }
 }

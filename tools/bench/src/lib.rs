@@ -50,6 +50,7 @@ use self::stage::Stage;
 use self::statistics::Events;
 use clap::Args;
 use messages::Topic;
+use report::gate::Baseline;
 use report::output::OutputDirectory;
 use report::results::{ResultOptions, Schema};
 use report::summary::Host;
@@ -82,14 +83,14 @@ pub struct BenchArguments {
     /// Write the result to FILE for later comparisons
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
-    /// Compare with a file of --save; status 1 if a ratio to the floor grew by the factor
+    /// Compare with a file of --save, or with a graph.json; status 1 if a figure got worse
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
-    /// Growth of a ratio to the floor that counts as worse
+    /// Least growth of a ratio to the floor that counts as worse
     #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
     pub factor: f64,
     /// Run a graph of nodes of your own in place of the benchmark, and measure its chains (docs/graph.md)
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "save", "against", "factor"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "save", "factor"])]
     pub graph: Option<PathBuf>,
     #[command(flatten)]
     pub results: ResultOptions,
@@ -106,7 +107,8 @@ fn factor(argument: &str) -> Result<f64, &'static str> {
 }
 
 pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
-    let before = arguments.against.as_deref().map(baseline::read).transpose()?;
+    let read = |file: &PathBuf| Baseline::read(file, "a file of `timegap bench --save`");
+    let before = arguments.against.as_ref().map(read).transpose()?;
     let output = OutputDirectory::create(&arguments.results.output, "bench")?;
     let interrupted = Arc::new(AtomicBool::new(false));
     supervise::flag_end(&interrupted)?;
@@ -138,6 +140,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
         paired: Vec::new(),
         goals: Vec::new(),
         caveats: setup::caveats(cores, reference, setup::quota()),
+        samples: Vec::new(),
         against: None,
     };
     let mut bench =
@@ -161,12 +164,17 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     bench.compare(&compared, &chains, &bar)?;
     bar.finish_and_clear();
     let Bench { mut report, histograms, .. } = bench;
+    report.samples = baseline::samples(&report, arguments.factor);
     if let Some(path) = &arguments.save {
         let json = serde_json::to_string_pretty(&report).expect("plain data") + "\n";
         std::fs::write(path, json).map_err(Error::path("write", path))?;
     }
-    report.against = before.map(|before| baseline::compare(&before, &report, arguments.factor));
+    report.against = before.map(|before| before.judge(&report.samples)).transpose()?;
     let document = document::of(&report, &histograms);
+    let document = match &report.against {
+        Some(against) => against.onto(document),
+        None => document,
+    };
     arguments.results.deliver(&document, &output)?;
     Ok(document.exit_code())
 }

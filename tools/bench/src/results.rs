@@ -5,15 +5,16 @@ use super::paired::{Compared, Comparison};
 use super::setup::{Conditions, Load, Placement, Scheduling};
 use super::statistics;
 use doctor::wake_ups::WakeUps;
+use report::gate::{Against, Sample};
 use report::results::Object;
 use report::summary::Host;
 use runtime::statistics::Percentiles;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::collections::BTreeSet;
 use supervise::report::Hops;
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Report {
     pub schema_version: u32,
     #[schemars(with = "Object")]
@@ -21,8 +22,7 @@ pub struct Report {
     pub quick: bool,
     /// Length of each measurement, s.
     pub seconds: f64,
-    /// Loops that hold on this machine; null in reports of earlier versions.
-    #[serde(default)]
+    /// Loops that hold on this machine.
     #[schemars(with = "Option<Object>")]
     pub wake_ups: Option<WakeUps>,
     /// Requests that the kernel refused, with its reasons.
@@ -32,17 +32,17 @@ pub struct Report {
     pub chain: Vec<ChainRow>,
     pub deadlines: Vec<DeadlineRow>,
     /// Comparisons in alternating blocks, which decide the goals.
-    #[serde(skip_deserializing)]
     pub paired: Vec<PairedRow>,
     /// Goals with interval and verdict.
-    #[serde(skip_deserializing)]
     pub goals: Vec<Goal>,
     /// Differences between this machine and the one that the goals are meant for.
-    #[serde(default)]
     pub caveats: Vec<String>,
+    /// Figures over their floor, for `--against`.
+    #[schemars(with = "Vec<Object>")]
+    pub samples: Vec<Sample>,
     /// The comparison with an earlier benchmark; absent without one.
-    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub against: Option<Vec<Change>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against: Option<Against>,
 }
 
 /// A comparison of two ways to wake, block by block.
@@ -82,7 +82,7 @@ impl PairedRow {
 }
 
 /// The machine's floor. The named figures are of an idle machine under `SCHED_FIFO` at 1 kHz.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub struct Floor {
     #[schemars(with = "Option<Object>")]
     pub sleep_jitter_us: Option<Percentiles>,
@@ -92,7 +92,7 @@ pub struct Floor {
     pub rows: Vec<FloorRow>,
 }
 
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
 pub struct ByPlacement {
     #[schemars(with = "Option<Object>")]
     pub same_core: Option<Percentiles>,
@@ -100,7 +100,7 @@ pub struct ByPlacement {
     pub two_cores: Option<Percentiles>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FloorMeasure {
     Sleep,
@@ -109,7 +109,7 @@ pub enum FloorMeasure {
     Iceoryx2Event,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FloorRow {
     pub measure: FloorMeasure,
     #[serde(flatten)]
@@ -119,7 +119,7 @@ pub struct FloorRow {
     pub us: Option<Percentiles>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Passing {
     /// A message of the services, protected and checked.
@@ -130,7 +130,7 @@ pub enum Passing {
     Protected,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct TransportRow {
     #[serde(flatten)]
     pub conditions: Conditions,
@@ -138,7 +138,6 @@ pub struct TransportRow {
     pub bytes: usize,
     pub passing: Passing,
     /// Bytes copied for each message between the sender's writing and the reader's reading.
-    #[serde(default)]
     pub copied_bytes: Option<f64>,
     /// Messages sent and never received.
     pub lost: Option<u64>,
@@ -146,7 +145,7 @@ pub struct TransportRow {
     pub us: Option<Percentiles>,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ChainRow {
     #[serde(flatten)]
     pub conditions: Conditions,
@@ -170,7 +169,7 @@ pub struct ChainRow {
     pub sleep_jitter_us: Option<Percentiles>,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct DeadlineRow {
     #[serde(flatten)]
     pub conditions: Conditions,
@@ -191,12 +190,6 @@ impl Report {
         let sought = (FloorMeasure::Futex, conditions, period_us);
         let is_it = |row: &&FloorRow| (row.measure, row.conditions, row.period_us) == sought;
         self.floor.rows.iter().find(is_it)?.us
-    }
-
-    /// The chain under these conditions at this period.
-    pub fn chain(&self, conditions: Conditions, period_us: u32) -> Option<&ChainRow> {
-        let mut rows = self.chain.iter();
-        rows.find(|row| row.conditions == conditions && row.period_us == period_us)
     }
 }
 
@@ -224,15 +217,4 @@ impl Floor {
         }
         self.rows.push(row);
     }
-}
-
-/// A figure over its floor, then and now.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-pub struct Change {
-    pub what: String,
-    /// Ratio to the floor of the earlier run.
-    pub then: f64,
-    /// Ratio to the floor of this run.
-    pub now: f64,
-    pub worse: bool,
 }

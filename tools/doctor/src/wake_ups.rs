@@ -25,7 +25,7 @@ use report::results::{Column, Table, count, word};
 use runtime::scheduling::{self, Granted, Policy, Request, usable_cores};
 use runtime::statistics::Latencies;
 use runtime::{monotonic_ns, sleep_until};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use serde_json::{Value, json};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +86,7 @@ const BINS_US: [u32; 9] = [5, 10, 20, 50, 100, 200, 500, 1_000, 10_000];
 /// Widest bar of the histogram, characters.
 const BAR: u64 = 32;
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoopFigures {
     pub period_us: u32,
     /// Largest accepted lateness, µs.
@@ -99,7 +99,7 @@ pub struct LoopFigures {
 }
 
 /// A bin of the histogram of lateness.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Bin {
     /// Upper end, µs; null for the open last bin.
     pub up_to_us: Option<u32>,
@@ -107,7 +107,7 @@ pub struct Bin {
     pub count: u64,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WakeUps {
     /// Length of the measurement of each loop, s.
     pub seconds: f64,

@@ -23,6 +23,7 @@
 pub mod chart;
 mod compare;
 pub mod figures;
+pub mod gate;
 pub mod html;
 mod lateral;
 pub mod output;

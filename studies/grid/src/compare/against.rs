@@ -130,7 +130,7 @@ impl Baseline {
 impl Against {
     /// The figures that got worse.
     fn worse(&self) -> impl Iterator<Item = &Difference> {
-        self.differences.iter().filter(|difference| difference.better == Some(false))
+        self.differences.iter().filter(|difference| difference.judged.better == Some(false))
     }
 
     /// True if nothing got worse.

@@ -6,18 +6,16 @@
 //! show in the figure's last digit is not called real. A drive that ended early has other figures. So pairs of completed runs alone count, and the share of completed runs is a figure of its own.
 
 use report::figures::compared;
+use report::gate::{self, Judged, Pairs};
 use report::results::{Column, Good, count, number, word};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::json;
-use statistics::{Interval, interval, least_pairs};
 use std::collections::BTreeMap;
 use supervise::report::Outcome;
 
 use crate::row::Row;
 
-/// Probability that an interval of a scenario misses its difference.
-const TAILS: f64 = 0.05;
 /// Name of the share of completed runs.
 const COMPLETED: &str = "completed";
 
@@ -30,7 +28,7 @@ pub fn columns() -> Vec<Column<Difference>> {
         number("low", "from", "", 3, "").weight(1),
         number("high", "to", "", 3, "").weight(1),
         count("n", "n", "").weight(2),
-        word("", "law is", "").of(|difference| json!(difference.verdict())),
+        word("", "law is", "").of(|difference| json!(difference.judged.verdict())),
     ]
 }
 
@@ -47,19 +45,8 @@ pub struct Difference {
     pub figure: &'static str,
     #[serde(skip)]
     pub title: String,
-    /// Mean of the reference over the pairs.
-    pub before: f64,
-    /// Mean of the differences.
-    pub mean: f64,
-    /// Interval of the difference; null of too few seeds.
-    pub low: Option<f64>,
-    pub high: Option<f64>,
-    /// Pairs of runs.
-    pub n: usize,
-    /// The interval leaves out 0; null of too few seeds.
-    pub real: Option<bool>,
-    /// The law is better than the first one; null where the difference is not real.
-    pub better: Option<bool>,
+    #[serde(flatten)]
+    pub judged: Judged,
     /// Differences of the scenario, which hold together.
     #[serde(skip)]
     family: usize,
@@ -68,37 +55,16 @@ pub struct Difference {
 impl Difference {
     /// True if the difference is called real.
     pub fn is_real(&self) -> bool {
-        self.real == Some(true)
-    }
-
-    /// The judgement in a word.
-    pub fn verdict(&self) -> &'static str {
-        match (self.real, self.better) {
-            (None, _) => "too few seeds",
-            (_, Some(true)) => "better",
-            (_, Some(false)) => "worse",
-            (_, None) => "not real",
-        }
+        self.judged.is_real()
     }
 }
 
 /// Rule for a real difference, in words; `None` without differences.
 pub fn rule(differences: &[Difference]) -> Option<String> {
     let largest = differences.iter().map(|difference| difference.family).max()?;
-    let tails = TAILS / largest as f64;
-    let first = &differences[0].reference;
-    let mut words = format!(
-        "A difference is called real when its interval leaves out 0. It is taken from {first} seed by seed, in pairs \
-         of completed runs. The {largest} intervals of a scenario hold together with {} % (means of subsets, Hartigan \
-         1969; Bonferroni). They assume that differences lie symmetrically about their centre, and no more.",
-        100.0 * (1.0 - TAILS)
-    );
-    if differences.iter().any(|difference| difference.real.is_none())
-        && let Some(least) = least_pairs(tails)
-    {
-        words += &format!(" Fewer than {least} pairs are too few for any.");
-    }
-    Some(words)
+    let few = differences.iter().any(|difference| difference.judged.real.is_none());
+    let first = format!("{} seed by seed, in pairs of completed runs", differences[0].reference);
+    Some(gate::rule(&first, "a scenario", largest, few))
 }
 
 /// Every law against the first one, in each scenario; nothing for one seed.
@@ -125,11 +91,8 @@ struct Paired<'a> {
     law: &'a Row,
     figure: &'static str,
     title: String,
-    good: Good,
-    /// Half of the last digit that the figure shows.
-    shown: f64,
-    /// Values of the law and of the reference.
-    values: Vec<[f64; 2]>,
+    /// Values of the law and of the reference. Half of the last digit is the least difference.
+    pairs: Pairs,
 }
 
 fn of_scenario(rows: &[Row]) -> Vec<Difference> {
@@ -160,9 +123,7 @@ fn of_pairs<'a>(rows: &[(&'a Row, &'a Row)]) -> Vec<Paired<'a>> {
         law,
         figure: COMPLETED,
         title: "share completed".to_owned(),
-        good: Good::More,
-        shown: 0.0,
-        values: shares.collect(),
+        pairs: Pairs { good: Good::More, shown: 0.0, values: shares.collect() },
     };
     let whole = rows.iter().filter(|(own, other)| completed(own) * completed(other) > 0.0);
     let whole: Vec<&(&Row, &Row)> = whole.collect();
@@ -171,39 +132,29 @@ fn of_pairs<'a>(rows: &[(&'a Row, &'a Row)]) -> Vec<Paired<'a>> {
         law,
         figure: figure.name,
         title: figure.column::<()>().head.title(),
-        good: figure.good,
-        shown: 0.5 / f64::from(10_u32.pow(figure.decimals as u32)),
-        values: (whole.iter())
-            .filter_map(|(own, other)| Some([own.figures.get(figure)?, other.figures.get(figure)?]))
-            .collect(),
+        pairs: Pairs {
+            good: figure.good,
+            shown: 0.5 / f64::from(10_u32.pow(figure.decimals as u32)),
+            values: (whole.iter())
+                .filter_map(|(own, other)| {
+                    Some([own.figures.get(figure)?, other.figures.get(figure)?])
+                })
+                .collect(),
+        },
     });
-    std::iter::once(shares).chain(of_figures).filter(|pair| !pair.values.is_empty()).collect()
+    std::iter::once(shares).chain(of_figures).filter(|one| !one.pairs.values.is_empty()).collect()
 }
 
 impl Paired<'_> {
     fn judged(self, reference: &str, family: usize) -> Difference {
-        let Self { law, figure, title, good, shown, values } = self;
-        let mean = |values: &mut dyn Iterator<Item = f64>, n: usize| values.sum::<f64>() / n as f64;
-        let differences: Vec<f64> = values.iter().map(|[own, other]| own - other).collect();
-        let by = mean(&mut differences.iter().copied(), differences.len());
-        let found = interval(&differences, TAILS / family as f64);
-        let is_real = |interval: &Interval| interval.leaves_out_zero() && by.abs() >= shown;
-        let real = found.as_ref().map(is_real);
-        let better = found.filter(is_real);
-        let better = better.map(|interval| (interval.low > 0.0) == (good == Good::More));
+        let Self { law, figure, title, pairs } = self;
         Difference {
             scenario: law.scenario.clone(),
             controller: law.controller.clone(),
             reference: reference.to_owned(),
             figure,
             title,
-            before: mean(&mut values.iter().map(|[_, other]| *other), values.len()),
-            mean: by,
-            low: found.map(|interval| interval.low),
-            high: found.map(|interval| interval.high),
-            n: values.len(),
-            real,
-            better,
+            judged: pairs.judged(family),
             family,
         }
     }
@@ -230,19 +181,25 @@ mod tests {
         // The seeds spread by 3 m, which the pairs do not see.
         let all = differences(&rows(12, |seed| 0.2 + 0.01 * (seed % 3) as f64));
         let difference = gap(&all);
-        assert!(difference.is_real() && difference.better == Some(false), "{difference:?}");
-        assert!(difference.low.expect("12 pairs") < difference.mean, "{difference:?}");
+        assert!(difference.is_real() && difference.judged.better == Some(false), "{difference:?}");
+        assert!(
+            difference.judged.low.expect("12 pairs") < difference.judged.mean,
+            "{difference:?}"
+        );
         let some = differences(&rows(12, |seed| if seed % 2 == 0 { 2.0 } else { -2.0 }));
-        assert_eq!((gap(&some).real, gap(&some).verdict()), (Some(false), "not real"));
+        assert_eq!(
+            (gap(&some).judged.real, gap(&some).judged.verdict()),
+            (Some(false), "not real")
+        );
         assert!(all.iter().filter(|other| other.is_real()).count() == 1, "the rest is equal");
     }
 
     #[test]
     fn too_few_seeds_are_named_with_the_number_that_is_needed() {
         let few = differences(&rows(5, |_| 1.0));
-        assert_eq!((gap(&few).real, gap(&few).low), (None, None));
+        assert_eq!((gap(&few).judged.real, gap(&few).judged.low), (None, None));
         let words = rule(&few).expect("there are differences");
-        let least = least_pairs(TAILS / few.len() as f64).expect("a number has one");
+        let least = statistics::least_pairs(0.05 / few.len() as f64).expect("a number has one");
         assert!(words.contains(&format!("Fewer than {least} pairs are too few")), "{words}");
         let enough = differences(&rows(least as u64, |_| 1.0));
         assert!(gap(&enough).is_real());
@@ -255,7 +212,7 @@ mod tests {
         rows.iter_mut().skip(12).take(11).for_each(|row| row.outcome = Outcome::Collision);
         let all = differences(&rows);
         let share = all.iter().find(|difference| difference.figure == COMPLETED).expect("a figure");
-        assert_eq!((share.n, share.verdict()), (12, "worse"), "{share:?}");
-        assert_eq!((gap(&all).n, gap(&all).real), (1, None));
+        assert_eq!((share.judged.n, share.judged.verdict()), (12, "worse"), "{share:?}");
+        assert_eq!((gap(&all).judged.n, gap(&all).judged.real), (1, None));
     }
 }

@@ -105,6 +105,13 @@ impl Document {
         self
     }
 
+    /// The same with another condition of the verdict.
+    pub fn and_verdict(mut self, ok: bool, words: &str) -> Self {
+        self.ok &= ok;
+        self.verdict = format!("{}; {words}", self.verdict);
+        self
+    }
+
     /// The same with what broke, the worst first: the last lines of the console, and the first ones of the page.
     ///
     /// ```

@@ -45,9 +45,10 @@ pub enum Kind {
 }
 
 /// Good values of a column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Good {
     /// Neither end: the column has no best value.
+    #[default]
     Neither,
     /// The least one is the best.
     Less,
