@@ -136,7 +136,8 @@ pub fn run(file: &Path, arguments: &BenchArguments) -> Result<ExitCode, Error> {
     launcher.end();
     let floor = metronome.finish()?;
     ran?;
-    let document = results::document(&graph, launcher, &floor, baseline.as_ref())?;
+    let document =
+        results::document(&graph, launcher, &floor, (baseline.as_ref(), arguments.factor))?;
     arguments.results.deliver(&document, &output)?;
     Ok(document.exit_code())
 }

@@ -11,7 +11,7 @@ use report::gate::{Against, Baseline, Sample};
 use report::html::figure;
 use report::output::{HISTOGRAMS, histogram_log};
 use report::print::duration;
-use report::results::{Broken, Column, Document, Good, Object, Table, count, micros, number, word};
+use report::results::{Broken, Column, Document, Object, Table, count, micros, number, word};
 use report::summary::Host;
 use report::{Distribution, distributions};
 use runtime::statistics::{Latencies, Percentiles};
@@ -145,7 +145,7 @@ pub fn document(
     graph: &Graph,
     launcher: Launcher<'_>,
     floor: &Outcome,
-    baseline: Option<&Baseline>,
+    (baseline, factor): (Option<&Baseline>, f64),
 ) -> Result<Document, Error> {
     let Launcher { group, members, records, broken, .. } = &launcher;
     let (mut chains, mut hops, mut pictures) = (Vec::new(), Vec::new(), String::new());
@@ -180,9 +180,8 @@ pub fn document(
         }
         let mut sample = |figure: &str, value: fn(&Percentiles) -> f64| {
             let values = blocks.iter().map(|block| block.percentiles_us().as_ref().map(value));
-            let (of, figure, values) = (name.clone(), figure.to_owned(), values.collect());
-            let (good, shown, is_exact) = (Good::Less, 0.05, false);
-            samples.push(Sample { of, figure, values, good, shown, is_exact });
+            // Blocks of one run vary less than runs do.
+            samples.push(Sample::growing(&name, figure, values.collect(), factor));
         };
         sample("reaction time p50, µs", |us| us.p50);
         sample("reaction time p99, µs", |us| us.p99);

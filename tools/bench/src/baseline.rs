@@ -4,7 +4,6 @@
 
 use super::results::Report;
 use report::gate::Sample;
-use report::results::Good;
 use runtime::statistics::Percentiles;
 
 /// Fewest samples for a meaningful 99th percentile.
@@ -27,14 +26,7 @@ pub fn samples(report: &Report, factor: f64) -> Vec<Sample> {
         let by_chance = CHANCE * 1e6 / row.cycles?.max(1) as f64;
         Some(if excess > by_chance { excess } else { 0.0 })
     });
-    let sample = |of: &str, figure: &str, values: Vec<Option<f64>>| {
-        let found: Vec<f64> = values.iter().copied().flatten().collect();
-        let mean = found.iter().sum::<f64>() / found.len().max(1) as f64;
-        // Now is `factor` times what it was if the difference is this part of now.
-        let shown = mean * (1.0 - 1.0 / factor);
-        let (of, figure) = (of.to_owned(), figure.to_owned());
-        Sample { of, figure, values, good: Good::Less, shown, is_exact: false }
-    };
+    let sample = |of, figure, values| Sample::growing(of, figure, values, factor);
     vec![
         sample("transport over futex", "p50", over(|us| us.p50, 1)),
         sample("transport over futex", "p99", over(|us| us.p99, ENOUGH)),

@@ -86,11 +86,11 @@ pub struct BenchArguments {
     /// Compare with a file of --save, or with a graph.json; status 1 if a figure got worse
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
-    /// Least growth of a ratio to the floor that counts as worse
+    /// Least growth that counts as worse, of a ratio to the floor or of a graph's reaction time
     #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
     pub factor: f64,
     /// Run a graph of nodes of your own in place of the benchmark, and measure its chains (docs/graph.md)
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "save", "factor"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "save"])]
     pub graph: Option<PathBuf>,
     #[command(flatten)]
     pub results: ResultOptions,

@@ -116,6 +116,18 @@ pub struct Sample {
     pub is_exact: bool,
 }
 
+impl Sample {
+    /// A figure that is better the less it is. A growth by less than `factor` is not worse.
+    pub fn growing(of: &str, figure: &str, values: Vec<Option<f64>>, factor: f64) -> Self {
+        let found: Vec<f64> = values.iter().copied().flatten().collect();
+        let mean = found.iter().sum::<f64>() / found.len().max(1) as f64;
+        // Now is `factor` times what it was if the difference is this part of now.
+        let shown = mean * (1.0 - 1.0 / factor);
+        let (of, figure) = (of.to_owned(), figure.to_owned());
+        Self { of, figure, values, good: Good::Less, shown, is_exact: false }
+    }
+}
+
 /// An earlier result.
 #[derive(Debug)]
 pub struct Baseline {
@@ -231,7 +243,7 @@ impl Against {
         self.broken.is_empty() && self.worse().next().is_none()
     }
 
-    /// The result with what got worse: verdict, status, tables.
+    /// The result with what got worse: it alone decides verdict and status.
     pub fn onto(&self, mut document: Document) -> Document {
         let worse: Vec<&Change> = self.worse().collect();
         let words = format!("against {}: {} figures are worse", self.baseline, worse.len());
@@ -240,7 +252,7 @@ impl Against {
             format!("{of}: {figure} is worse by {:.3}, was {:.3}", judged.mean.abs(), judged.before)
         });
         let found: Vec<String> = found.chain(self.broken.iter().cloned()).collect();
-        document = document.and_verdict(self.holds(), &words);
+        document = document.judged_anew(self.holds(), &words);
         let columns: [Column<Change>; 8] = [
             word("of", "of", "Law, chain or paper"),
             word("figure", "figure", "Figure"),

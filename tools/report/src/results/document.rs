@@ -105,10 +105,15 @@ impl Document {
         self
     }
 
-    /// The same with another condition of the verdict.
-    pub fn and_verdict(mut self, ok: bool, words: &str) -> Self {
-        self.ok &= ok;
+    /// The same with another verdict in place of its own, whose sentence stays. What it had found is no case any more.
+    pub fn judged_anew(mut self, ok: bool, words: &str) -> Self {
+        (self.ok, self.succeeds) = (ok, Some(ok));
         self.verdict = format!("{}; {words}", self.verdict);
+        for part in &mut self.parts {
+            if let Part::Table(table) = part {
+                table.has_cases = false;
+            }
+        }
         self
     }
 
