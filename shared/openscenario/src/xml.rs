@@ -68,9 +68,17 @@ impl Element {
 /// # Errors
 /// When it is not well-formed, nests too deeply, is too long or declares entities.
 pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
+    parse_within(file, text, MAX_FILE_BYTES)
+}
+
+/// The same with another longest text, bytes.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_within(file: &str, text: &str, most_bytes: usize) -> Result<Document, ReadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    if text.len() > MAX_FILE_BYTES {
-        let reason = format!("has {} bytes, expected at most {MAX_FILE_BYTES}", text.len());
+    if text.len() > most_bytes {
+        let reason = format!("has {} bytes, expected at most {most_bytes}", text.len());
         return Err(ReadError::File { file: file.to_owned(), reason });
     }
     let syntax = |at: u64, reason: String| ReadError::Syntax {

@@ -3,7 +3,7 @@
 use crate::build::Builder;
 use crate::cell::{CELL_M, Cell, Place, after};
 use crate::check::uncrossed;
-use crate::{AxisError, Laid, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M, Piece, Pose};
+use crate::{AxisError, Laid, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M, MIN_RADIUS_M, Piece, Pose};
 
 /// Most steps of a projection; three are usual.
 const MAX_STEPS: u32 = 40;
@@ -46,7 +46,16 @@ impl Axis {
     /// # Errors
     /// If a number is not finite, a length is not positive, a radius is below 20 m, or the chain crosses itself.
     pub fn new(pieces: &[Piece]) -> Result<Self, AxisError> {
-        Self::chain(pieces.iter().map(|piece| (None, *piece)))
+        Self::chain(pieces.iter().map(|piece| (None, *piece)), MIN_RADIUS_M)
+    }
+
+    /// The way of a vehicle through junctions. Its turns are narrow, and it may cross itself. Short pieces keep it exact:
+    /// a cell of 5 m is too long for a radius of a few metres.
+    ///
+    /// # Errors
+    /// As [`Self::new`], with another smallest radius.
+    pub fn narrow(pieces: &[Piece], min_radius_m: f64) -> Result<Self, AxisError> {
+        Self::chain(pieces.iter().map(|piece| (None, *piece)), min_radius_m)
     }
 
     /// Pieces with places of their own. The axis begins at (0, 0, 0): the first piece's start is its origin.
@@ -55,16 +64,18 @@ impl Axis {
     /// As [`Self::new`], and if a piece does not begin where the previous one ends, within 5 cm and 0.01 rad.
     pub fn laid(pieces: &[Laid]) -> Result<Self, AxisError> {
         let origin = pieces.first().map_or(Pose::default(), |laid| laid.start);
-        Self::chain(pieces.iter().map(|laid| (Some(laid.start.seen_from(&origin)), laid.piece)))
+        let laid = pieces.iter().map(|laid| (Some(laid.start.seen_from(&origin)), laid.piece));
+        Self::chain(laid, MIN_RADIUS_M)
     }
 
     fn chain(
         pieces: impl ExactSizeIterator<Item = (Option<Pose>, Piece)>,
+        min_radius_m: f64,
     ) -> Result<Self, AxisError> {
         if pieces.len() == 0 {
             return Err(AxisError::Empty);
         }
-        let mut builder = Builder { cells: Vec::new(), length_m: 0.0 };
+        let mut builder = Builder { min_radius_m, ..Builder::new() };
         let (mut end, mut straight_m) = (Pose::default(), 0.0);
         let mut starts = Vec::with_capacity(pieces.len());
         for (number, (start, piece)) in pieces.enumerate() {
@@ -95,7 +106,7 @@ impl Axis {
         straight_m: f64,
     ) -> Result<Self, AxisError> {
         let (sin, cos) = libm::sincos(end.heading_rad);
-        let length_m = builder.length_m;
+        let (length_m, is_narrow) = (builder.length_m, builder.min_radius_m < MIN_RADIUS_M);
         let beyond = Cell {
             end_m: f64::INFINITY,
             middle_m: length_m,
@@ -114,7 +125,7 @@ impl Axis {
             straight_m: if straight_m == length_m { f64::INFINITY } else { straight_m },
             beyond,
         };
-        if !axis.is_straight() {
+        if !axis.is_straight() && !is_narrow {
             uncrossed(axis.length_m(), &axis.starts, |p_m| axis.pose(p_m))?;
         }
         Ok(axis)

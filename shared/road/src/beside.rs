@@ -180,7 +180,7 @@ impl Axis {
         if to_m < from_m {
             joints.reverse();
         }
-        let mut builder = Builder { cells: Vec::new(), length_m: 0.0 };
+        let mut builder = Builder::new();
         let (mut end, mut straight_m) = (Pose::default(), 0.0);
         let (mut origin, mut starts) = (None, Vec::new());
         for (number, ends) in joints.windows(2).enumerate() {

@@ -16,6 +16,8 @@ pub struct Builder {
     pub cells: Vec<Cell>,
     /// End of the pieces so far, m.
     pub length_m: f64,
+    /// Smallest radius, m.
+    pub min_radius_m: f64,
 }
 
 /// The piece that is being added.
@@ -25,6 +27,7 @@ struct Piece<'a> {
     /// Its beginning.
     start: Pose,
     from_m: f64,
+    min_radius_m: f64,
 }
 
 impl Piece<'_> {
@@ -52,7 +55,7 @@ impl Piece<'_> {
         {
             return Err(AxisError::Cusp { piece });
         }
-        if state.curvature_perm.abs() * MIN_RADIUS_M > ROUNDING {
+        if state.curvature_perm.abs() * self.min_radius_m > ROUNDING {
             return Err(AxisError::Radius { piece, radius_m: 1.0 / state.curvature_perm.abs() });
         }
         Ok(())
@@ -60,6 +63,11 @@ impl Piece<'_> {
 }
 
 impl Builder {
+    /// No piece yet, for a road of the usual radii.
+    pub fn new() -> Self {
+        Self { cells: Vec::new(), length_m: 0.0, min_radius_m: MIN_RADIUS_M }
+    }
+
     /// Adds a piece that begins at `start`. Returns its end.
     pub fn add(
         &mut self,
@@ -68,7 +76,8 @@ impl Builder {
         start: Pose,
     ) -> Result<Pose, AxisError> {
         let length_m = smooth.length_m();
-        let piece = Piece { smooth, number, start, from_m: self.length_m };
+        let (from_m, min_radius_m) = (self.length_m, self.min_radius_m);
+        let piece = Piece { smooth, number, start, from_m, min_radius_m };
         let count = libm::ceil(length_m / CELL_M - 1e-9).max(1.0);
         let mut state = smooth.begin();
         piece.check(&state)?;

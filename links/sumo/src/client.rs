@@ -1,0 +1,316 @@
+//! A client of TraCI: what this crate asks of SUMO.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::Duration;
+
+use crate::ProgramError;
+use crate::process::Process;
+use crate::wire::{Answer, Body, MOST_BYTES, Value};
+
+/// Least version of TraCI: that of SUMO 1.20.
+const VERSION: i32 = 21;
+/// Beginning and end of a subscription: the whole run.
+const ALWAYS: [f64; 2] = [-1_073_741_824.0, 1_073_741_824.0];
+
+/// Variables of a vehicle that a step brings.
+const VEHICLE: [u8; 6] = [0x42, 0x40, 0x43, 0x72, 0x44, 0x4d];
+/// Variables of a light: state, next switch, phase, time spent in it.
+const LIGHT: [u8; 4] = [0x20, 0x2d, 0x28, 0x38];
+
+const GET_LIGHT: u8 = 0xa2;
+const GET_VEHICLE: u8 = 0xa4;
+const GET_SIMULATION: u8 = 0xab;
+const SET_VEHICLE: u8 = 0xc4;
+const SET_ROUTE: u8 = 0xc6;
+
+/// A vehicle as SUMO has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Vehicle {
+    pub id: String,
+    /// Middle of the front bumper, m.
+    pub front_m: [f64; 2],
+    pub speed_mps: f64,
+    /// Heading, degrees clockwise from north.
+    pub angle_deg: f64,
+    pub acceleration_mps2: f64,
+    pub length_m: f64,
+    pub width_m: f64,
+}
+
+/// A controller of lights as SUMO has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    pub controller: String,
+    /// A letter for each movement.
+    pub letters: String,
+    /// Next switch, s of SUMO's time.
+    pub next_s: f64,
+    pub phase: usize,
+    /// Time spent in the phase, s.
+    pub spent_s: f64,
+}
+
+/// The outcome of a step.
+#[derive(Clone, Debug, Default)]
+pub struct Step {
+    pub vehicles: Vec<Vehicle>,
+    pub states: Vec<State>,
+    /// Reason why the ego was not placed.
+    pub refusal: Option<String>,
+}
+
+/// The connection.
+#[derive(Debug)]
+pub struct Client {
+    process: Process,
+    stream: TcpStream,
+    deadline_s: f64,
+    /// Commands that were sent: their names.
+    sent: Vec<&'static str>,
+    out: Vec<u8>,
+}
+
+type Done<T> = Result<T, ProgramError>;
+
+impl Client {
+    /// Greets SUMO on a connection, and checks its version.
+    pub fn open((process, stream): (Process, TcpStream), deadline_s: f64) -> Done<Self> {
+        let mut this = Self { process, stream, deadline_s, sent: Vec::new(), out: Vec::new() };
+        let timeout = Some(Duration::from_secs_f64(deadline_s));
+        let set = this.stream.set_nodelay(true);
+        let set = set.and_then(|()| this.stream.set_read_timeout(timeout));
+        set.and_then(|()| this.stream.set_write_timeout(timeout))
+            .map_err(|reason| ProgramError::Start { program: "a connection".to_owned(), reason })?;
+        let answer = this.ask(0x00, "the greeting", Body::default(), "at the greeting")?;
+        let mut answer = Answer(&answer);
+        answer.length()?;
+        answer.byte()?;
+        let (version, name) = (answer.whole()?, answer.text()?);
+        if version < VERSION || !name.starts_with("SUMO") {
+            let name = name.chars().filter(|c| !c.is_control()).take(60).collect();
+            return Err(ProgramError::Version { name, version, expected: VERSION });
+        }
+        Ok(this)
+    }
+
+    /// Queues a command.
+    fn put(&mut self, id: u8, name: &'static str, body: &Body) {
+        body.write(id, &mut self.out);
+        self.sent.push(name);
+    }
+
+    fn send(&mut self, when: &str) -> Done<()> {
+        let mut message = (self.out.len() as i32 + 4).to_be_bytes().to_vec();
+        message.append(&mut self.out);
+        self.stream.write_all(&message).map_err(|error| self.failed(&error, when))
+    }
+
+    fn receive(&mut self, when: &str) -> Done<Vec<u8>> {
+        let mut head = [0; 4];
+        self.stream.read_exact(&mut head).map_err(|error| self.failed(&error, when))?;
+        let length = usize::try_from(i32::from_be_bytes(head)).ok();
+        let length = length.and_then(|length| length.checked_sub(4)).filter(|n| *n <= MOST_BYTES);
+        let mut body = vec![0; length.ok_or(ProgramError::Nonsense("its length"))?];
+        self.stream.read_exact(&mut body).map_err(|error| self.failed(&error, when))?;
+        Ok(body)
+    }
+
+    fn failed(&mut self, error: &std::io::Error, when: &str) -> ProgramError {
+        match error.kind() {
+            ErrorKind::WouldBlock | ErrorKind::TimedOut => {
+                ProgramError::Silent { when: when.to_owned(), waited_s: self.deadline_s }
+            }
+            _ => self.process.ended(when),
+        }
+    }
+
+    /// Takes the statuses of all commands that were sent.
+    fn statuses(&mut self, answer: &mut Answer<'_>) -> Done<()> {
+        for command in std::mem::take(&mut self.sent) {
+            if let (_, Some(words)) = answer.status()? {
+                return Err(ProgramError::Refused { command, words });
+            }
+        }
+        Ok(())
+    }
+
+    /// Sends one command; the answer behind its status.
+    fn ask(&mut self, id: u8, name: &'static str, body: Body, when: &str) -> Done<Vec<u8>> {
+        self.put(id, name, &body);
+        self.send(when)?;
+        let bytes = self.receive(when)?;
+        let mut answer = Answer(&bytes);
+        self.statuses(&mut answer)?;
+        Ok(answer.0.to_vec())
+    }
+
+    fn get(&mut self, id: u8, variable: u8, object: &str) -> Done<Value> {
+        let body = Body::default().byte(variable).text(object);
+        let answer = self.ask(id, "a question", body, "at its start")?;
+        let mut answer = Answer(&answer);
+        answer.length()?;
+        answer.byte()?;
+        answer.byte()?;
+        answer.text()?;
+        answer.value()
+    }
+
+    fn set(&mut self, id: u8, name: &'static str, variable: u8, object: &str, value: Body) -> Done<()> {
+        let mut body = Body::default().byte(variable).text(object);
+        body.0.extend(value.0);
+        self.ask(id, name, body, "at its start").map(|_| ())
+    }
+
+    /// SUMO's time, s.
+    pub fn time_s(&mut self) -> Done<f64> {
+        Ok(self.get(GET_SIMULATION, 0x66, "")?.number())
+    }
+
+    /// Steps to a time, s, or once for 0.
+    pub fn step_to(&mut self, time_s: f64) -> Done<()> {
+        let body = Body::default().number(time_s);
+        self.ask(0x02, "a step", body, "before the run").map(|_| ())
+    }
+
+    /// Ids of the vehicles in the net.
+    pub fn vehicles(&mut self) -> Done<Vec<String>> {
+        match self.get(GET_VEHICLE, 0x00, "")? {
+            Value::Texts(ids) => Ok(ids),
+            _ => Err(ProgramError::Nonsense("a list of vehicles")),
+        }
+    }
+
+    /// Programs of a controller: the id of each, and its parts.
+    pub fn programs(&mut self, controller: &str) -> Done<(String, Value)> {
+        let present = self.get(GET_LIGHT, 0x29, controller)?.text().to_owned();
+        Ok((present, self.get(GET_LIGHT, 0x2b, controller)?))
+    }
+
+    /// Adds a vehicle on the route of these edges.
+    pub fn add(
+        &mut self,
+        id: &str,
+        edges: &[String],
+        (lane, front_m, speed_mps): (usize, f64, f64),
+        (length_m, width_m): (f64, f64),
+    ) -> Done<()> {
+        let mut list = Body::default().byte(0x0e).whole(edges.len() as i32);
+        for edge in edges {
+            list = list.text(edge);
+        }
+        self.set(SET_ROUTE, "the ego's route", 0x80, id, list)?;
+        let (lane, front, speed) =
+            (lane.to_string(), format!("{front_m:.3}"), format!("{speed_mps:.3}"));
+        let words = [
+            id, "DEFAULT_VEHTYPE", "now", &lane, &front, &speed, "current", "max", "current", "", "", "",
+        ];
+        let mut body = Body::default().byte(0x0f).whole(14);
+        for word in words {
+            body = body.typed_text(word);
+        }
+        let name = "the ego";
+        self.set(SET_VEHICLE, name, 0x85, id, body.typed_whole(4).typed_whole(0))?;
+        self.set(SET_VEHICLE, name, 0x44, id, Body::default().typed_number(length_m))?;
+        self.set(SET_VEHICLE, name, 0x4d, id, Body::default().typed_number(width_m))?;
+        // Its own rules of speed and lane changes are off: the run moves it.
+        self.set(SET_VEHICLE, name, 0xb3, id, Body::default().typed_whole(0))?;
+        self.set(SET_VEHICLE, name, 0xb6, id, Body::default().typed_whole(0))
+    }
+
+    /// Subscribes to the vehicles within `radius_m` of one.
+    pub fn surround(&mut self, id: &str, radius_m: f64) -> Done<()> {
+        let [begin, end] = ALWAYS;
+        let mut body = Body::default().number(begin).number(end).text(id).byte(GET_VEHICLE);
+        body = body.number(radius_m).byte(VEHICLE.len() as u8);
+        body.0.extend(VEHICLE);
+        self.ask(0x84, "a subscription", body, "at its start").map(|_| ())
+    }
+
+    /// Subscribes to a controller of lights.
+    pub fn watch(&mut self, controller: &str) -> Done<()> {
+        let [begin, end] = ALWAYS;
+        let mut body = Body::default().number(begin).number(end).text(controller);
+        body = body.byte(LIGHT.len() as u8);
+        body.0.extend(LIGHT);
+        self.ask(0xd2, "a subscription", body, "at its start").map(|_| ())
+    }
+
+    /// Places a vehicle and steps once, in one message.
+    pub fn begin_step(&mut self, id: &str, front_m: [f64; 2], angle_deg: f64) -> Done<()> {
+        let place = Body::default().byte(0xb4).text(id).byte(0x0f).whole(6);
+        let place = place.typed_text("").typed_whole(-1);
+        let place = place.typed_number(front_m[0]).typed_number(front_m[1]);
+        // On its route, at the nearest place.
+        let place = place.typed_number(angle_deg).byte(0x08).byte(1);
+        self.put(SET_VEHICLE, "placing the ego", &place);
+        self.put(0x02, "a step", &Body::default().number(0.0));
+        self.send("during the run")
+    }
+
+    /// The outcome of the step that was begun.
+    pub fn end_step(&mut self) -> Done<Step> {
+        let bytes = self.receive("during the run")?;
+        let mut answer = Answer(&bytes);
+        self.sent.clear();
+        let (_, refusal) = answer.status()?;
+        if let (_, Some(words)) = answer.status()? {
+            return Err(ProgramError::Refused { command: "a step", words });
+        }
+        let mut step = Step { refusal, ..Step::default() };
+        for _ in 0..answer.count()? {
+            answer.length()?;
+            let is_context = answer.byte()? & 0xf0 == 0x90;
+            let subject = answer.text()?;
+            if is_context {
+                answer.byte()?;
+            }
+            let variables = answer.byte()?;
+            let objects = if is_context { answer.count()? } else { 1 };
+            for _ in 0..objects {
+                let id = if is_context { answer.text()? } else { subject.clone() };
+                let mut vehicle = Vehicle { id, ..Vehicle::default() };
+                let mut state = State { controller: subject.clone(), ..State::default() };
+                for _ in 0..variables {
+                    let (variable, result, value) = (answer.byte()?, answer.byte()?, answer.value()?);
+                    match (variable, &value) {
+                        _ if result != 0 => {
+                            let words = value.text().to_owned();
+                            return Err(ProgramError::Refused { command: "a subscription", words });
+                        }
+                        (0x42, Value::Point(front_m)) => vehicle.front_m = *front_m,
+                        (0x40, _) => vehicle.speed_mps = value.number(),
+                        (0x43, _) => vehicle.angle_deg = value.number(),
+                        (0x72, _) => vehicle.acceleration_mps2 = value.number(),
+                        (0x44, _) => vehicle.length_m = value.number(),
+                        (0x4d, _) => vehicle.width_m = value.number(),
+                        (0x20, Value::Text(letters)) => state.letters.clone_from(letters),
+                        (0x2d, _) => state.next_s = value.number(),
+                        (0x28, _) => state.phase = value.number().max(0.0) as usize,
+                        (0x38, _) => state.spent_s = value.number(),
+                        _ => return Err(ProgramError::Nonsense("a variable that was not asked for")),
+                    }
+                }
+                match is_context {
+                    true => step.vehicles.push(vehicle),
+                    false => step.states.push(state),
+                }
+            }
+        }
+        Ok(step)
+    }
+}
+
+impl Drop for Client {
+    /// Says goodbye, and waits until the process is gone.
+    fn drop(&mut self) {
+        self.out.clear();
+        self.put(0x7f, "the end", &Body::default());
+        // A process that hangs does not read it, and is killed.
+        let _ = self.stream.set_write_timeout(Some(Duration::from_millis(100)));
+        if self.send("at the end").is_ok() {
+            let _ = self.stream.shutdown(std::net::Shutdown::Write);
+            self.process.end();
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The ego's edges: those of a route, vehicle, trip or flow of the route files, or the quickest way between two edges.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+use std::path::PathBuf;
+
+use openscenario::xml::Element;
+
+use crate::ReadError;
+use crate::net::{Net, Source};
+
+/// Names that an error lists.
+const LISTED: usize = 8;
+
+/// The edges that `ego` names: `NAME`, or `from=EDGE,to=EDGE`.
+pub fn edges(ego: &str, net: &Net, files: &[PathBuf]) -> Result<Vec<String>, ReadError> {
+    if let Some(ends) = ends(ego) {
+        return quickest(net, &ends);
+    }
+    let mut known = Vec::new();
+    for file in files {
+        let source = Source::read(file)?;
+        for element in &source.root.children {
+            let Some(id) = element.attribute("id") else { continue };
+            let is_way = matches!(element.name.as_str(), "route" | "vehicle" | "trip" | "flow");
+            if is_way && id == ego {
+                return of_element(element, &source, net);
+            }
+            if is_way && known.len() <= LISTED {
+                known.push(format!("`{id}`"));
+            }
+        }
+    }
+    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let file = if names.is_empty() { net.file.clone() } else { names.join(", ") };
+    let rest = if known.len() > LISTED { ", .." } else { "" };
+    known.truncate(LISTED);
+    let listed = match known.is_empty() {
+        true => "from=EDGE,to=EDGE, for these files have no routes".to_owned(),
+        false => format!("{}{rest} or from=EDGE,to=EDGE", known.join(", ")),
+    };
+    Err(ReadError::ego(&file, format!("there is no route, vehicle, trip or flow `{ego}`"), listed))
+}
+
+/// The two edges of `from=EDGE,to=EDGE`, with those of `via=EDGE` between them.
+fn ends(ego: &str) -> Option<Vec<String>> {
+    let mut stops = Vec::new();
+    for (part, place) in ego.split(',').zip(0..) {
+        let (key, edge) = part.split_once('=')?;
+        let fits = match key.trim() {
+            "from" => place == 0,
+            "via" | "to" => place > 0,
+            _ => false,
+        };
+        if !fits {
+            return None;
+        }
+        stops.push(edge.trim().to_owned());
+    }
+    (stops.len() > 1).then_some(stops)
+}
+
+fn of_element(element: &Element, source: &Source, net: &Net) -> Result<Vec<String>, ReadError> {
+    let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    if let Some(edges) = element.attribute("edges") {
+        return Ok(words(edges));
+    }
+    if let Some(edges) = element.child("route").and_then(|route| route.attribute("edges")) {
+        return Ok(words(edges));
+    }
+    if let Some(name) = element.attribute("route") {
+        let mut all = source.root.children.iter();
+        let found = all.find(|one| one.name == "route" && one.attribute("id") == Some(name));
+        let edges = found.and_then(|route| route.attribute("edges"));
+        return edges.map(words).ok_or_else(|| {
+            source.refuse(element, format!("there is no route `{name}` in this file"), "one with edges")
+        });
+    }
+    let (Some(from), Some(to)) = (element.attribute("from"), element.attribute("to")) else {
+        let expected = "edges, a route, or from and to";
+        return Err(source.refuse(element, "this way of the ego has no edges", expected));
+    };
+    let mut stops = vec![from.to_owned()];
+    stops.extend(words(element.attribute("via").unwrap_or_default()));
+    stops.push(to.to_owned());
+    quickest(net, &stops)
+}
+
+/// The quickest way over these edges, by the speed limits.
+fn quickest(net: &Net, stops: &[String]) -> Result<Vec<String>, ReadError> {
+    for edge in stops {
+        if edge.starts_with(':') || !net.edges.contains_key(edge) {
+            let mut some: Vec<&str> =
+                net.edges.keys().map(String::as_str).filter(|id| !id.starts_with(':')).collect();
+            some.sort_unstable();
+            let rest = if some.len() > LISTED { ", .." } else { "" };
+            some.truncate(LISTED);
+            let names: Vec<String> = some.iter().map(|id| format!("`{id}`")).collect();
+            let expected = format!("one of {}{rest}", names.join(", "));
+            return Err(ReadError::ego(&net.file, format!("the net has no edge `{edge}`"), expected));
+        }
+    }
+    let mut way = vec![stops[0].clone()];
+    for pair in stops.windows(2) {
+        let part = between(net, &pair[0], &pair[1]).ok_or_else(|| {
+            let reason = format!("no way for cars leads from `{}` to `{}`", pair[0], pair[1]);
+            ReadError::ego(&net.file, reason, "two edges that connections join")
+        })?;
+        way.extend(part);
+    }
+    Ok(way)
+}
+
+/// The edges behind `from` on the quickest way to `to`: Dijkstra's algorithm over whole milliseconds.
+fn between(net: &Net, from: &str, to: &str) -> Option<Vec<String>> {
+    let cost_ms = |edge: &str| {
+        let lanes = net.edges.get(edge)?.iter().filter(|lane| lane.drivable);
+        let fastest = lanes.max_by(|a, b| a.speed_mps.total_cmp(&b.speed_mps))?;
+        let way_m: f64 = fastest.shape.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+        Some((1e3 * way_m / fastest.speed_mps.max(0.1)) as u64 + 1)
+    };
+    let mut best: HashMap<&str, (u64, Option<&str>)> = HashMap::from([(from, (0, None))]);
+    let mut open = BinaryHeap::from([Reverse((0, from))]);
+    while let Some(Reverse((so_far, edge))) = open.pop() {
+        if edge == to && so_far > 0 || edge == to && from == to {
+            break;
+        }
+        if best.get(edge).is_some_and(|(known, _)| *known < so_far) {
+            continue;
+        }
+        let lanes = &net.edges[edge];
+        for next in net.leaving(edge) {
+            let is_open = lanes.get(next.from_lane).is_some_and(|lane| lane.drivable);
+            let Some(cost) = cost_ms(&next.to).filter(|_| is_open) else { continue };
+            let reached = so_far + cost;
+            if best.get(next.to.as_str()).is_none_or(|(known, _)| reached < *known) {
+                best.insert(&next.to, (reached, Some(edge)));
+                open.push(Reverse((reached, &next.to)));
+            }
+        }
+    }
+    let mut way = Vec::new();
+    let mut at = to;
+    while let Some((_, Some(before))) = best.get(at) {
+        way.push(at.to_owned());
+        at = before;
+    }
+    way.reverse();
+    (at == from && (from == to || !way.is_empty())).then_some(way)
+}
+
+/// Distance of two points, m.
+pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    libm::hypot(b[0] - a[0], b[1] - a[1])
+}

@@ -1,0 +1,175 @@
+//! The program SUMO as a process, from its start to its end.
+
+use std::io::{self, BufRead, BufReader, Read};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use crate::ProgramError;
+
+/// Time until the program has read its files and listens.
+const START: Duration = Duration::from_secs(60);
+/// Time between two attempts to reach it.
+const ATTEMPT: Duration = Duration::from_millis(5);
+/// Time to end after the connection is closed.
+const END: Duration = Duration::from_secs(1);
+/// Lines of its errors that are kept.
+const KEPT_LINES: usize = 40;
+
+/// How a process is started on this machine, and how it is reached.
+pub trait Network {
+    /// Prepares the command: what the process inherits, and when it dies.
+    fn prepare(&mut self, command: &mut Command) -> io::Result<()>;
+
+    /// Connects to a port on which the process listens.
+    ///
+    /// # Errors
+    /// While it does not listen yet.
+    fn connect(&mut self, port: u16) -> io::Result<TcpStream> {
+        TcpStream::connect((Ipv4Addr::LOCALHOST, port))
+    }
+}
+
+/// The program, and its home with the data that it needs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Program {
+    /// The executable file.
+    pub file: PathBuf,
+    /// `SUMO_HOME`.
+    pub home: Option<PathBuf>,
+}
+
+/// Finds `sumo` in `$SUMO_HOME/bin` or on the `PATH`. The script of the Python package leads to the program itself.
+///
+/// # Errors
+/// [`ProgramError::Missing`].
+pub fn find_program() -> Result<Program, ProgramError> {
+    let home = std::env::var_os("SUMO_HOME").map(PathBuf::from);
+    if let Some(home) = &home {
+        let file = home.join("bin/sumo");
+        if file.is_file() {
+            return Ok(Program { file, home: Some(home.clone()) });
+        }
+    }
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let file = std::env::split_paths(&path).map(|place| place.join("sumo")).find(|f| f.is_file());
+    let file = file.ok_or(ProgramError::Missing)?;
+    let packaged = packaged(&file).filter(|home| home.join("bin/sumo").is_file());
+    Ok(match packaged {
+        Some(home) => Program { file: home.join("bin/sumo"), home: Some(home) },
+        None => Program { file, home: None },
+    })
+}
+
+/// The home of a script of the Python package: `../lib/python3.x/site-packages/sumo`.
+fn packaged(file: &Path) -> Option<PathBuf> {
+    let mut begin = [0; 2];
+    std::fs::File::open(file).ok()?.read_exact(&mut begin).ok()?;
+    let libraries = file.parent()?.parent()?.join("lib");
+    let versions = std::fs::read_dir(libraries).ok().filter(|_| begin == *b"#!")?;
+    let mut homes = versions.flatten().map(|version| version.path().join("site-packages/sumo"));
+    homes.find(|home| home.is_dir())
+}
+
+/// The running program.
+#[derive(Debug)]
+pub struct Process {
+    child: Child,
+    errors: Option<JoinHandle<Vec<String>>>,
+}
+
+impl Process {
+    /// Starts the program with arguments and a port, and connects to it.
+    pub fn start(
+        program: &Program,
+        arguments: &[String],
+        network: &mut dyn Network,
+    ) -> Result<(Self, TcpStream), ProgramError> {
+        let refuse = |reason| {
+            let program = program.file.display().to_string();
+            ProgramError::Start { program, reason }
+        };
+        let port = free_port().map_err(refuse)?;
+        let mut command = Command::new(&program.file);
+        command.args(arguments).arg("--remote-port").arg(port.to_string());
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        if let Some(home) = &program.home {
+            command.env("SUMO_HOME", home);
+        }
+        network.prepare(&mut command).map_err(refuse)?;
+        let mut child = command.spawn().map_err(refuse)?;
+        let errors = child.stderr.take().map(|errors| std::thread::spawn(move || lines(errors)));
+        let mut this = Self { child, errors };
+        let begun = Instant::now();
+        loop {
+            match network.connect(port) {
+                Ok(stream) => return Ok((this, stream)),
+                Err(_) if this.is_gone() => return Err(this.ended("at its start")),
+                Err(_) if begun.elapsed() > START => {
+                    let (when, waited_s) = ("at its start".to_owned(), START.as_secs_f64());
+                    return Err(ProgramError::Silent { when, waited_s });
+                }
+                Err(_) => std::thread::sleep(ATTEMPT),
+            }
+        }
+    }
+
+    fn is_gone(&mut self) -> bool {
+        self.child.try_wait().is_ok_and(|status| status.is_some())
+    }
+
+    /// The error of a connection that broke: the program's last words, or its status.
+    pub fn ended(&mut self, when: &str) -> ProgramError {
+        let begun = Instant::now();
+        while !self.is_gone() && begun.elapsed() < END {
+            std::thread::sleep(ATTEMPT);
+        }
+        let _ = self.child.kill();
+        let status = self.child.wait();
+        let lines = self.errors.take().and_then(|errors| errors.join().ok()).unwrap_or_default();
+        let fault = lines.iter().find_map(|line| line.strip_prefix("Error: "));
+        let last = || lines.iter().rev().find(|line| !line.starts_with("Quitting"));
+        let words = fault.or_else(|| last().map(String::as_str)).map(str::to_owned);
+        let words = words.unwrap_or_else(|| match status {
+            Ok(status) => status.to_string(),
+            Err(error) => error.to_string(),
+        });
+        ProgramError::Ended { when: when.to_owned(), words }
+    }
+
+    /// Waits for its end, which the closed connection brings, and kills it otherwise.
+    pub fn end(&mut self) {
+        let begun = Instant::now();
+        while !self.is_gone() && begun.elapsed() < END {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A port that nothing uses at the moment.
+fn free_port() -> io::Result<u16> {
+    Ok(TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port())
+}
+
+/// The first lines of a stream, which is read to its end.
+fn lines(stream: impl Read) -> Vec<String> {
+    let mut kept = Vec::new();
+    for line in BufReader::new(stream).lines().map_while(Result::ok) {
+        if kept.len() < KEPT_LINES && !line.trim().is_empty() {
+            let printable = line.chars().filter(|c| !c.is_control()).take(300);
+            kept.push(printable.collect());
+        }
+    }
+    kept
+}

@@ -1,0 +1,206 @@
+//! The ego's route as a road: what a scenario keeps of a net.
+
+use std::path::Path as File;
+
+use road::{Axis, AxisError, LaneLines, Piece, Pose};
+use serde::{Deserialize, Serialize};
+
+use crate::ReadError;
+use crate::config::Config;
+use crate::net::Net;
+use crate::smooth::Smooth;
+use crate::{demand, path};
+
+/// Smallest radius of a route, m: turns inside of junctions are narrow.
+const MIN_RADIUS_M: f64 = 1.0;
+/// Way between the ego's rear at the start and the beginning of its lane, m.
+const BEHIND_M: f64 = 0.1;
+/// Way from the end of the route to that of its last lane, m: SUMO takes a vehicle away that has come to the end.
+const BEFORE_END_M: f64 = 5.0;
+/// Share of a curve's radius up to which lanes reach inwards.
+const INNER_SHARE: f64 = 0.8;
+/// Least way between two stop lines, m.
+const APART_M: f64 = 0.1;
+
+/// A speed limit from a place on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limit {
+    /// Place on the axis, m.
+    pub from_m: f64,
+    /// The limit, m/s.
+    pub speed_mps: f64,
+}
+
+/// A light of the route.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Light {
+    /// The controller's id in the net.
+    pub controller: String,
+    /// Place of the ego's movement in the controller's state.
+    pub link: usize,
+    /// Place of the stop line on the axis, m.
+    pub stop_line_m: f64,
+}
+
+/// A route of a net as the ego's road.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Route {
+    /// Ids of its edges.
+    pub edges: Vec<String>,
+    /// Index of the lane on which the ego begins.
+    pub lane: usize,
+    /// Place of its front bumper on that lane, m.
+    pub depart_m: f64,
+    /// Lines and arcs of its axis.
+    pub pieces: Vec<Piece>,
+    /// Beginning of the axis in the plane of the net.
+    pub start: Pose,
+    /// Numbers of lanes beside the first one, to the left and to the right.
+    pub beside: [usize; 2],
+    /// Lines of the lanes along the axis.
+    pub lines: LaneLines,
+    /// Speed limits in the order of their places.
+    pub limits: Vec<Limit>,
+    /// Lights in the order of their stop lines.
+    pub lights: Vec<Light>,
+    /// Remarks for a person, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Route {
+    /// The axis, and its beginning in the plane of the net.
+    ///
+    /// # Errors
+    /// When a turn is narrower than a metre.
+    pub fn axis(&self) -> Result<(Axis, Pose), AxisError> {
+        Ok((Axis::narrow(&self.pieces, MIN_RADIUS_M)?, self.start))
+    }
+
+    /// The largest limit of the route, m/s.
+    #[must_use]
+    pub fn fastest_mps(&self) -> f64 {
+        self.limits.iter().map(|limit| limit.speed_mps).fold(0.0, f64::max)
+    }
+
+    /// Speed at a place from which all limits ahead are met with a braking, m/s.
+    #[must_use]
+    pub fn allowed_mps(&self, place_m: f64, braking_mps2: f64, lead_m: f64) -> f64 {
+        let next = self.limits.partition_point(|limit| limit.from_m <= place_m);
+        let here = next.checked_sub(1).map_or(f64::INFINITY, |now| self.limits[now].speed_mps);
+        let ahead = self.limits[next..].iter().map(|limit| {
+            let way_m = (limit.from_m - place_m - lead_m).max(0.0);
+            (limit.speed_mps * limit.speed_mps + 2.0 * braking_mps2 * way_m).sqrt()
+        });
+        ahead.fold(here, f64::min)
+    }
+
+    /// Time of a free drive at the limits, s.
+    #[must_use]
+    pub fn free_s(&self) -> f64 {
+        let length_m: f64 = self.pieces.iter().map(Piece::length_m).sum();
+        let ends = self.limits.iter().skip(1).map(|limit| limit.from_m).chain([length_m]);
+        let times = self.limits.iter().zip(ends);
+        times.map(|(limit, end_m)| (end_m - limit.from_m).max(0.0) / limit.speed_mps.max(1.0)).sum()
+    }
+}
+
+/// Reads the route `ego` of the configuration at `file`: the name of a route, vehicle, trip or flow, or
+/// `from=EDGE,to=EDGE`. The ego is `length_m` long.
+///
+/// # Errors
+/// When a file cannot be read, or has no such route.
+pub fn read_route(file: &File, ego: &str, length_m: f64) -> Result<Route, ReadError> {
+    let config = Config::read(file)?;
+    let net = Net::read(&config.net)?;
+    let edges = demand::edges(ego, &net, &config.demand)?;
+    let path = path::along(&net, &edges)?;
+    let smooth = Smooth::of(&path.points);
+    let whole = Axis::narrow(&smooth.pieces, MIN_RADIUS_M).map_err(|error| {
+        let reason = format!("the route `{ego}` has {error}");
+        ReadError::ego(&net.file, reason, format!("turns of at least {MIN_RADIUS_M} m radius"))
+    })?;
+    let depart_m = (length_m + BEHIND_M).min(0.5 * whole.length_m());
+    let end_m = (whole.length_m() - BEFORE_END_M).max(depart_m + BEHIND_M);
+    let (pieces, start) = cut(&smooth.pieces, &whole, depart_m, end_m);
+    let start = start.placed(&smooth.start);
+    let place = |way_m: f64| smooth.place_m(way_m) - depart_m;
+    let mut notes: Vec<String> = (path.yields_m.iter())
+        .map(|way_m| {
+            let at_m = place(*way_m);
+            format!("the ego does not give way: at {at_m:.0} m a junction without lights gives others the right of way")
+        })
+        .collect();
+    let mut lights: Vec<Light> = Vec::new();
+    for light in path.lights {
+        let stop_line_m = place(light.at_m);
+        let is_behind = lights.last().is_some_and(|last| last.stop_line_m + APART_M > stop_line_m);
+        if stop_line_m <= 0.0 || is_behind || stop_line_m > end_m - depart_m {
+            continue;
+        }
+        lights.push(Light { controller: light.controller, link: light.link, stop_line_m });
+    }
+    notes.truncate(4);
+    let mut limits: Vec<Limit> = Vec::new();
+    for stretch in &path.stretches {
+        let (from_m, speed_mps) = (place(stretch.from_m), stretch.speed_mps);
+        if limits.last().is_none_or(|last| last.speed_mps != speed_mps) {
+            limits.push(Limit { from_m, speed_mps });
+        }
+    }
+    Ok(Route {
+        edges,
+        lane: path.first_lane,
+        depart_m,
+        lines: lane_lines(&path.stretches, &place, &whole, depart_m, end_m),
+        pieces,
+        start,
+        beside: path.beside,
+        limits,
+        lights,
+        notes,
+    })
+}
+
+/// The pieces between two places of a chain, and the pose at the first one.
+fn cut(pieces: &[Piece], axis: &Axis, from_m: f64, to_m: f64) -> (Vec<Piece>, Pose) {
+    let (mut kept, mut passed_m) = (Vec::new(), 0.0);
+    for piece in pieces {
+        let end_m = passed_m + piece.length_m();
+        let length_m = end_m.min(to_m) - passed_m.max(from_m);
+        if length_m > 1e-9 {
+            kept.push(match *piece {
+                Piece::Arc { curvature_perm, .. } => Piece::Arc { length_m, curvature_perm },
+                _ => Piece::Line { length_m },
+            });
+        }
+        passed_m = end_m;
+    }
+    (kept, axis.pose(from_m))
+}
+
+/// Lines of the lanes along the route. In a narrow turn they stay on this side of its centre.
+fn lane_lines(
+    stretches: &[path::Stretch],
+    place: &dyn Fn(f64) -> f64,
+    axis: &Axis,
+    depart_m: f64,
+    end_m: f64,
+) -> LaneLines {
+    let mut stations: Vec<Vec<f64>> = Vec::new();
+    for stretch in stretches {
+        for (way_m, lines) in [stretch.from_m, stretch.to_m].into_iter().zip(&stretch.lines) {
+            let last_m = stations.last().map_or(-depart_m, |station| station[0]);
+            let p_m = place(way_m).min(end_m - depart_m).max(last_m);
+            let curvature_perm = axis.curvature_perm(p_m + depart_m);
+            let inner_m = INNER_SHARE / curvature_perm.abs().max(1e-9);
+            let within = |line_m: &f64| match line_m * curvature_perm > 0.0 {
+                true => line_m.clamp(-inner_m, inner_m),
+                false => *line_m,
+            };
+            let mut station = vec![p_m];
+            station.extend(lines.iter().map(within));
+            stations.push(station);
+        }
+    }
+    LaneLines::new(stations)
+}

@@ -1,0 +1,210 @@
+//! TraCI's bytes: commands out, answers in. Numbers are big-endian; a text is its length and its bytes.
+
+use crate::ProgramError;
+
+/// Longest answer, bytes: the vehicles around the ego take a few thousand.
+pub const MOST_BYTES: usize = 64 << 20;
+/// Deepest nesting of a compound value.
+const MOST_DEPTH: u32 = 8;
+
+/// A value of an answer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    Number(f64),
+    Text(String),
+    Texts(Vec<String>),
+    Point([f64; 2]),
+    Compound(Vec<Value>),
+}
+
+impl Value {
+    /// The number; NaN for another value.
+    pub fn number(&self) -> f64 {
+        if let Self::Number(number) = self { *number } else { f64::NAN }
+    }
+
+    /// The text; empty for another value.
+    pub fn text(&self) -> &str {
+        if let Self::Text(text) = self { text } else { "" }
+    }
+
+    /// The parts of a compound; none for another value.
+    pub fn parts(&self) -> &[Value] {
+        if let Self::Compound(parts) = self { parts } else { &[] }
+    }
+}
+
+/// The body of a command.
+#[derive(Clone, Debug, Default)]
+pub struct Body(pub Vec<u8>);
+
+impl Body {
+    pub fn byte(mut self, value: u8) -> Self {
+        self.0.push(value);
+        self
+    }
+
+    pub fn whole(mut self, value: i32) -> Self {
+        self.0.extend(value.to_be_bytes());
+        self
+    }
+
+    pub fn number(mut self, value: f64) -> Self {
+        self.0.extend(value.to_be_bytes());
+        self
+    }
+
+    pub fn text(mut self, text: &str) -> Self {
+        self = self.whole(text.len() as i32);
+        self.0.extend(text.as_bytes());
+        self
+    }
+
+    /// A text with its type.
+    pub fn typed_text(self, text: &str) -> Self {
+        self.byte(0x0c).text(text)
+    }
+
+    /// A number with its type.
+    pub fn typed_number(self, value: f64) -> Self {
+        self.byte(0x0b).number(value)
+    }
+
+    /// A whole number with its type.
+    pub fn typed_whole(self, value: i32) -> Self {
+        self.byte(0x09).whole(value)
+    }
+
+    /// Appends the command `id` with this body to a message.
+    pub fn write(&self, id: u8, message: &mut Vec<u8>) {
+        let length = self.0.len() + 2;
+        match u8::try_from(length) {
+            Ok(length) => message.push(length),
+            Err(_) => {
+                message.push(0);
+                message.extend((length as i32 + 4).to_be_bytes());
+            }
+        }
+        message.push(id);
+        message.extend(&self.0);
+    }
+}
+
+/// An answer that is being read.
+pub struct Answer<'a>(pub &'a [u8]);
+
+type Read<T> = Result<T, ProgramError>;
+
+impl<'a> Answer<'a> {
+    fn take(&mut self, count: usize) -> Read<&'a [u8]> {
+        let taken = self.0.split_at_checked(count);
+        let (taken, rest) = taken.ok_or(ProgramError::Nonsense("it ends too early"))?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    fn array<const N: usize>(&mut self) -> Read<[u8; N]> {
+        Ok(self.take(N)?.try_into().expect("it has this length"))
+    }
+
+    pub fn byte(&mut self) -> Read<u8> {
+        Ok(self.array::<1>()?[0])
+    }
+
+    pub fn whole(&mut self) -> Read<i32> {
+        Ok(i32::from_be_bytes(self.array()?))
+    }
+
+    /// A count of things that follow, each of at least one byte.
+    pub fn count(&mut self) -> Read<usize> {
+        let count = self.whole()?;
+        let count = usize::try_from(count).ok().filter(|count| *count <= self.0.len());
+        count.ok_or(ProgramError::Nonsense("a count beyond its end"))
+    }
+
+    pub fn number(&mut self) -> Read<f64> {
+        Ok(f64::from_be_bytes(self.array()?))
+    }
+
+    pub fn text(&mut self) -> Read<String> {
+        let length = self.count()?;
+        Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
+    }
+
+    /// Skips the length of a command.
+    pub fn length(&mut self) -> Read<()> {
+        if self.byte()? == 0 {
+            self.whole()?;
+        }
+        Ok(())
+    }
+
+    /// The status of a command: its id, and its words if it was refused.
+    pub fn status(&mut self) -> Read<(u8, Option<String>)> {
+        self.length()?;
+        let (id, result, words) = (self.byte()?, self.byte()?, self.text()?);
+        Ok((id, (result != 0).then_some(words)))
+    }
+
+    /// A value behind its type.
+    pub fn value(&mut self) -> Read<Value> {
+        self.nested(0)
+    }
+
+    fn nested(&mut self, depth: u32) -> Read<Value> {
+        Ok(match self.byte()? {
+            0x01 => Value::Point([self.number()?, self.number()?]),
+            0x03 => {
+                let point = [self.number()?, self.number()?];
+                self.number()?;
+                Value::Point(point)
+            }
+            0x07 | 0x08 => Value::Number(self.byte()?.into()),
+            0x09 => Value::Number(self.whole()?.into()),
+            0x0b => Value::Number(self.number()?),
+            0x0c => Value::Text(self.text()?),
+            0x0e => {
+                let count = self.count()?;
+                Value::Texts((0..count).map(|_| self.text()).collect::<Read<_>>()?)
+            }
+            0x0f if depth < MOST_DEPTH => {
+                let count = self.count()?;
+                let parts = (0..count).map(|_| self.nested(depth + 1));
+                Value::Compound(parts.collect::<Read<_>>()?)
+            }
+            _ => return Err(ProgramError::Nonsense("a value of an unknown type")),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_command_has_a_long_length() {
+        let mut message = Vec::new();
+        Body::default().text(&"x".repeat(300)).write(0x2a, &mut message);
+        assert_eq!((message[0], message[5], message.len()), (0, 0x2a, 1 + 4 + 1 + 304));
+        assert_eq!(message[1..5], 310_i32.to_be_bytes());
+        let mut short = Vec::new();
+        Body::default().byte(7).write(0x2a, &mut short);
+        assert_eq!(short, [3, 0x2a, 7]);
+    }
+
+    #[test]
+    fn values_come_back_and_a_cut_answer_is_refused_at_each_byte() {
+        let body = Body::default().byte(0x0f).whole(3).typed_number(1.5).typed_text("ab");
+        let bytes = body.byte(0x0f).whole(1).typed_whole(-7).0;
+        let value = Answer(&bytes).value().expect("whole");
+        let parts = value.parts();
+        assert_eq!((parts[0].number(), parts[1].text()), (1.5, "ab"));
+        assert_eq!(parts[2].parts()[0].number(), -7.0);
+        for end in 0..bytes.len() {
+            assert!(Answer(&bytes[..end]).value().is_err(), "{end}");
+        }
+        let deep: Vec<u8> = [0x0f, 0, 0, 0, 1].repeat(20);
+        assert!(Answer(&deep).value().is_err());
+        assert!(Answer(&[0x0e, 0x7f, 0xff, 0xff, 0xff]).value().is_err(), "a count beyond the end");
+    }
+}

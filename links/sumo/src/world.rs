@@ -1,0 +1,367 @@
+//! SUMO's world around the ego, step by step.
+//!
+//! ```text
+//! time of the run   0 ────── 100 ms ────── 200 ms
+//! ego               placed   placed        placed      where it is at the step
+//! SUMO              step     step          step        one message there, one back
+//! bodies            ├ extrapolated ┤
+//! ```
+//!
+//! In simulated time a step waits for its answer. In realtime the answer is taken at the next call, so that no cycle
+//! waits for SUMO.
+
+use std::path::PathBuf;
+
+use road::{Axis, Pose};
+
+use crate::client::{Client, State, Vehicle};
+use crate::lights::{LightNow, Plan};
+use crate::process::{Network, Process, find_program};
+use crate::{ProgramError, RADIUS_M, Route, STEP_MS};
+
+/// Time between two steps, ns.
+const STEP_NS: u64 = STEP_MS * 1_000_000;
+/// Simulated time that the ego waits for a gap, s.
+const ROOM_S: f64 = 300.0;
+/// Farthest distance of a vehicle to the side of the axis, m.
+const ASIDE_M: f64 = 50.0;
+/// Distance between two places of the axis in the search for the nearest one, m.
+const SPACING_M: f64 = 4.0;
+/// Angle to the axis up to which a body follows it, rad.
+const ALONG_RAD: f64 = 0.15;
+/// Way before the end of the route on which SUMO may take the ego away, m.
+const NEAR_END_M: f64 = 20.0;
+
+/// Settings of a run.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The configuration file.
+    pub config: PathBuf,
+    /// The run's seed.
+    pub seed: u64,
+    /// Time that SUMO drives without the ego, s.
+    pub begin_s: f64,
+    /// Longest wait for an answer, s.
+    pub deadline_s: f64,
+    /// Length and width of the ego, m.
+    pub ego_m: (f64, f64),
+    /// Speed of the ego at the start, m/s.
+    pub speed_mps: f64,
+    /// Most vehicles at a time.
+    pub most: usize,
+    /// Waits for the answer of a step at once.
+    pub waits: bool,
+}
+
+/// The ego at an instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Ego {
+    /// Middle of its front bumper, and its heading, with the road beginning at the origin.
+    pub pose: Pose,
+    /// Place of the front bumper on the axis, m.
+    pub place_m: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+}
+
+/// A vehicle beside the ego, by the axis of the route.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Body {
+    /// It is within reach.
+    pub present: bool,
+    /// Place of its middle on the axis, m.
+    pub middle_m: f64,
+    /// Offset of its middle from the axis, m, left positive.
+    pub aside_m: f64,
+    /// Angle of its body to the axis, rad; 0 for one that goes along it.
+    pub turned_rad: f64,
+    /// Speed along the axis, m/s, negative towards its beginning.
+    pub along_mps: f64,
+    /// Speed to the left, m/s.
+    pub across_mps: f64,
+    /// Acceleration along the axis, m/s².
+    pub acceleration_mps2: f64,
+    /// Length, m.
+    pub length_m: f64,
+    /// Width, m.
+    pub width_m: f64,
+}
+
+impl Body {
+    /// The body after a time. Braking ends at standstill.
+    fn after(&self, time_s: f64) -> Self {
+        let (v, a) = (self.along_mps, self.acceleration_mps2);
+        let moving_s = if v * a < 0.0 { time_s.min(-v / a) } else { time_s };
+        Self {
+            middle_m: self.middle_m + v * moving_s + 0.5 * a * moving_s * moving_s,
+            aside_m: self.aside_m + self.across_mps * moving_s,
+            along_mps: v + a * moving_s,
+            ..*self
+        }
+    }
+}
+
+/// SUMO's world.
+#[derive(Debug)]
+pub struct World {
+    client: Client,
+    route: Route,
+    axis: Axis,
+    length_m: f64,
+    /// Places of the axis at even distances.
+    marks: Vec<[f64; 2]>,
+    ego: String,
+    most: usize,
+    waits: bool,
+    /// A step was begun, and its answer not taken.
+    is_open: bool,
+    /// Time of the newest answer, and of the next step, ns of the run.
+    known_ns: u64,
+    next_ns: u64,
+    /// Time by which SUMO's clock is ahead of the run's, s.
+    ahead_s: f64,
+    place_m: f64,
+    /// Ids and bodies at the newest answer; a vehicle keeps its slot.
+    slots: Vec<(String, Body)>,
+    bodies: Vec<Body>,
+    plans: Vec<(String, Plan)>,
+    states: Vec<State>,
+}
+
+impl World {
+    /// Starts SUMO, drives its traffic to the start of the run, and adds the ego to it.
+    ///
+    /// # Errors
+    /// [`ProgramError`] if the program is missing, of another version, or does not do as it is asked.
+    ///
+    /// # Panics
+    /// If the route has no axis, which [`crate::read_route`] rules out.
+    pub fn start(
+        settings: &Settings,
+        route: &Route,
+        network: &mut dyn Network,
+    ) -> Result<Self, ProgramError> {
+        let program = find_program()?;
+        let started = Process::start(&program, &arguments(settings), network)?;
+        let mut client = Client::open(started, settings.deadline_s)?;
+        let from_s = client.time_s()?;
+        let mut time_s = from_s;
+        while time_s < from_s + settings.begin_s {
+            // In parts, each of which has the deadline.
+            time_s = (time_s + 10.0).min(from_s + settings.begin_s);
+            client.step_to(time_s)?;
+        }
+        let known = client.vehicles()?;
+        let names = std::iter::once("ego".to_owned()).chain((0..).map(|n| format!("timegap-{n}")));
+        let mut names = names.filter(|name| !known.contains(name));
+        let ego = names.next().expect("there are names without end");
+        let start = (route.lane, route.depart_m, settings.speed_mps);
+        client.add(&ego, &route.edges, start, settings.ego_m)?;
+        let waits_from_s = time_s;
+        loop {
+            client.step_to(0.0)?;
+            time_s = client.time_s()?;
+            if client.vehicles()?.contains(&ego) {
+                break;
+            }
+            if time_s > waits_from_s + ROOM_S {
+                let lane = format!("{}_{}", route.edges[0], route.lane);
+                return Err(ProgramError::NoRoom { lane, waited_s: ROOM_S });
+            }
+        }
+        client.surround(&ego, RADIUS_M)?;
+        let mut plans: Vec<(String, Plan)> = Vec::new();
+        for light in &route.lights {
+            if plans.iter().all(|(known, _)| *known != light.controller) {
+                client.watch(&light.controller)?;
+                let (present, programs) = client.programs(&light.controller)?;
+                plans.push((light.controller.clone(), Plan::of(&present, &programs)));
+            }
+        }
+        let (axis, _) = route.axis().expect("a route that was read has an axis");
+        let count = (axis.length_m() / SPACING_M) as usize + 1;
+        let mark = |index: usize| {
+            let pose = axis.pose(index as f64 * SPACING_M);
+            [pose.x_m, pose.y_m]
+        };
+        Ok(Self {
+            client,
+            length_m: axis.length_m(),
+            marks: (0..=count).map(mark).collect(),
+            axis,
+            route: route.clone(),
+            ego,
+            most: settings.most,
+            waits: settings.waits,
+            is_open: false,
+            known_ns: 0,
+            next_ns: 0,
+            // The step of run time 0 is the next one.
+            ahead_s: time_s + STEP_MS as f64 * 1e-3,
+            place_m: 0.0,
+            slots: vec![Default::default(); settings.most],
+            bodies: vec![Body::default(); settings.most],
+            plans,
+            states: Vec::new(),
+        })
+    }
+
+    /// Brings the world to a time of the run, which never goes back, with the ego where it is then.
+    ///
+    /// # Errors
+    /// [`ProgramError`] if SUMO ends, does not answer in time, or refuses the ego's place.
+    pub fn advance(&mut self, time_ns: u64, ego: &Ego) -> Result<(), ProgramError> {
+        self.place_m = ego.place_m;
+        if self.is_open {
+            self.take()?;
+        }
+        while self.next_ns <= time_ns {
+            let back_m = ego.speed_mps * seconds(time_ns - self.next_ns);
+            let (x_m, y_m) = ego.pose.to_world(-back_m, 0.0);
+            let placed = Pose { x_m, y_m, ..ego.pose }.placed(&self.route.start);
+            let angle_deg = (90.0 - placed.heading_rad.to_degrees()).rem_euclid(360.0);
+            self.client.begin_step(&self.ego, [placed.x_m, placed.y_m], angle_deg)?;
+            (self.is_open, self.known_ns) = (true, self.next_ns);
+            self.next_ns += STEP_NS;
+            if self.waits || self.next_ns <= time_ns {
+                self.take()?;
+            }
+        }
+        let known_ns = if self.is_open { self.known_ns.saturating_sub(STEP_NS) } else { self.known_ns };
+        let age_s = seconds(time_ns.saturating_sub(known_ns));
+        for (body, (_, known)) in self.bodies.iter_mut().zip(&self.slots) {
+            *body = known.after(age_s);
+        }
+        Ok(())
+    }
+
+    /// The vehicles around the ego; a vehicle keeps its place in the list.
+    #[must_use]
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// A light of the route by its index. Empty while nothing is known.
+    #[must_use]
+    pub fn light(&self, index: usize, time_s: f64) -> LightNow {
+        let light = &self.route.lights[index];
+        let state = self.states.iter().find(|state| state.controller == light.controller);
+        let plan = self.plans.iter().find(|(controller, _)| *controller == light.controller);
+        let (Some(state), Some((_, plan))) = (state, plan) else { return LightNow::default() };
+        let known_s = seconds(self.known_ns).min(time_s);
+        plan.now(state, light.link, known_s, self.ahead_s)
+    }
+
+    /// Takes the answer of a step.
+    fn take(&mut self) -> Result<(), ProgramError> {
+        self.is_open = false;
+        let step = self.client.end_step()?;
+        if let Some(words) = step.refusal
+            && self.place_m < self.length_m - NEAR_END_M
+        {
+            return Err(ProgramError::Refused { command: "placing the ego", words });
+        }
+        if !step.states.is_empty() {
+            self.states = step.states;
+        }
+        let mut near: Vec<(f64, Vehicle)> = step.vehicles.into_iter().filter(|v| v.id != self.ego)
+            .map(|vehicle| (self.distance_m(&vehicle), vehicle)).collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.id.cmp(&b.1.id)));
+        let mut found: Vec<(String, Body)> = Vec::with_capacity(self.most);
+        for (_, vehicle) in near {
+            if found.len() == self.most {
+                break;
+            }
+            if let Some(body) = self.body(&vehicle) {
+                found.push((vehicle.id, body));
+            }
+        }
+        for (id, body) in &mut self.slots {
+            match found.iter().position(|(other, _)| body.present && other == id) {
+                Some(index) => *body = found.swap_remove(index).1,
+                None => *body = Body::default(),
+            }
+        }
+        // `swap_remove` moves the rest about: the nearest first again.
+        found.sort_by(|a, b| a.0.cmp(&b.0));
+        let mut free = self.slots.iter_mut().filter(|(_, body)| !body.present);
+        for new in found {
+            if let Some(slot) = free.next() {
+                *slot = new;
+            }
+        }
+        Ok(())
+    }
+
+    /// Distance of a vehicle to the ego's place, m.
+    fn distance_m(&self, vehicle: &Vehicle) -> f64 {
+        let ego = self.axis.pose(self.place_m).placed(&self.route.start);
+        libm::hypot(vehicle.front_m[0] - ego.x_m, vehicle.front_m[1] - ego.y_m)
+    }
+
+    /// A vehicle by the axis; `None` far beside it.
+    fn body(&self, vehicle: &Vehicle) -> Option<Body> {
+        let heading_rad = (90.0 - vehicle.angle_deg).to_radians();
+        let [x_m, y_m] = vehicle.front_m;
+        let front = Pose { x_m, y_m, heading_rad }.seen_from(&self.route.start);
+        let (x_m, y_m) = front.to_world(-0.5 * vehicle.length_m, 0.0);
+        let near_m = self.nearest_m(x_m, y_m);
+        let (middle_m, aside_m) = self.axis.project(x_m, y_m, near_m);
+        let is_known = [middle_m, aside_m, vehicle.speed_mps, vehicle.length_m, vehicle.width_m];
+        if !is_known.iter().all(|value| value.is_finite()) || aside_m.abs() > ASIDE_M {
+            return None;
+        }
+        let tangent_rad = self.axis.heading_rad(middle_m);
+        let angle_rad = libm::remainder(front.heading_rad - tangent_rad, std::f64::consts::TAU);
+        let (sine, cosine) = libm::sincos(angle_rad);
+        let body_rad = libm::remainder(angle_rad, std::f64::consts::PI);
+        let acceleration = if vehicle.acceleration_mps2.is_finite() { vehicle.acceleration_mps2 } else { 0.0 };
+        Some(Body {
+            present: true,
+            middle_m,
+            aside_m,
+            turned_rad: if body_rad.abs() < ALONG_RAD { 0.0 } else { body_rad },
+            along_mps: vehicle.speed_mps * cosine,
+            across_mps: vehicle.speed_mps * sine,
+            acceleration_mps2: acceleration * cosine,
+            length_m: vehicle.length_m,
+            width_m: vehicle.width_m,
+        })
+    }
+
+    /// The place on the axis, near the ego, that is nearest to a point, m. Before its beginning and behind its end the
+    /// axis is straight.
+    fn nearest_m(&self, x_m: f64, y_m: f64) -> f64 {
+        let reach = (RADIUS_M / SPACING_M) as usize + 5;
+        let own = (self.place_m / SPACING_M).max(0.0) as usize;
+        let from = own.saturating_sub(reach).min(self.marks.len() - 1);
+        let to = (own + reach).min(self.marks.len() - 1);
+        let way_m = |index: &usize| libm::hypot(x_m - self.marks[*index][0], y_m - self.marks[*index][1]);
+        let nearest = (from..=to).min_by(|a, b| way_m(a).total_cmp(&way_m(b)));
+        nearest.unwrap_or(from) as f64 * SPACING_M
+    }
+}
+
+/// Arguments of the program.
+fn arguments(settings: &Settings) -> Vec<String> {
+    let seed = settings.seed % (1 << 31);
+    let step_s = STEP_MS as f64 * 1e-3;
+    let words = [
+        ("--step-length", format!("{step_s}")),
+        ("--seed", seed.to_string()),
+        ("--random", "false".to_owned()),
+        ("--collision.action", "none".to_owned()),
+        ("--no-step-log", "true".to_owned()),
+        ("--no-warnings", "true".to_owned()),
+        ("--duration-log.disable", "true".to_owned()),
+        ("--xml-validation", "never".to_owned()),
+        ("--num-clients", "1".to_owned()),
+    ];
+    let mut all = vec!["-c".to_owned(), settings.config.display().to_string()];
+    all.extend(words.into_iter().flat_map(|(name, value)| [name.to_owned(), value]));
+    all
+}
+
+fn seconds(time_ns: u64) -> f64 {
+    time_ns as f64 * 1e-9
+}
