@@ -9,7 +9,7 @@ use std::process::Command;
 /// Layers, lowest first. A crate depends on crates of lower layers only; no crate imports the command at the
 /// top.
 const LAYERS: [&[&str]; 11] = [
-    &["bags", "fmi", "messages", "mpc-solver", "truck-model"],
+    &["bags", "fmi", "messages", "mpc-solver", "sumo", "truck-model"],
     &["scenario"],
     &["law", "radio"],
     &["laws", "runtime"],
@@ -26,7 +26,7 @@ const LAYERS: [&[&str]; 11] = [
 ];
 
 /// Crates of one layer that depend on each other in this order.
-const WITHIN: [(&str, &str); 7] = [
+const WITHIN: [(&str, &str); 9] = [
     ("fmi", "messages"),
     ("fmi", "openscenario"),
     ("report", "supervise"),
@@ -34,6 +34,8 @@ const WITHIN: [(&str, &str); 7] = [
     ("openscenario", "road"),
     ("road", "random"),
     ("bench", "doctor"),
+    ("sumo", "openscenario"),
+    ("sumo", "road"),
 ];
 
 fn layer(name: &str, path: &str) -> usize {

@@ -24,7 +24,8 @@ const SHOWN_EACH_MS: u64 = 100;
 
 #[derive(Debug, Args)]
 pub struct RunArguments {
-    /// Name of a built-in scenario (see `timegap list`), a TOML file, or an OpenSCENARIO file (.xosc)
+    /// Name of a built-in scenario (see `timegap list`), a TOML file, an OpenSCENARIO file (.xosc),
+    /// or a configuration of SUMO (.sumocfg) with --ego
     #[arg(default_value = "cacc-a")]
     pub scenario: String,
     /// Set a parameter of an OpenSCENARIO file (repeatable)
@@ -146,6 +147,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     }
     Ok(match (&group.ended, summary.outcome) {
         (Ended::Interrupted, _) => ExitCode::from(130),
+        // The program beside the run is a part of the machine.
+        (Ended::Broken { how, .. }, _) if how.contains("SUMO: ") => ExitCode::from(3),
         (_, Outcome::Completed) => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
     })

@@ -156,7 +156,14 @@ impl Client {
         answer.value()
     }
 
-    fn set(&mut self, id: u8, name: &'static str, variable: u8, object: &str, value: Body) -> Done<()> {
+    fn set(
+        &mut self,
+        id: u8,
+        name: &'static str,
+        variable: u8,
+        object: &str,
+        value: Body,
+    ) -> Done<()> {
         let mut body = Body::default().byte(variable).text(object);
         body.0.extend(value.0);
         self.ask(id, name, body, "at its start").map(|_| ())
@@ -203,7 +210,18 @@ impl Client {
         let (lane, front, speed) =
             (lane.to_string(), format!("{front_m:.3}"), format!("{speed_mps:.3}"));
         let words = [
-            id, "DEFAULT_VEHTYPE", "now", &lane, &front, &speed, "current", "max", "current", "", "", "",
+            id,
+            "DEFAULT_VEHTYPE",
+            "now",
+            &lane,
+            &front,
+            &speed,
+            "current",
+            "max",
+            "current",
+            "",
+            "",
+            "",
         ];
         let mut body = Body::default().byte(0x0f).whole(14);
         for word in words {
@@ -272,7 +290,8 @@ impl Client {
                 let mut vehicle = Vehicle { id, ..Vehicle::default() };
                 let mut state = State { controller: subject.clone(), ..State::default() };
                 for _ in 0..variables {
-                    let (variable, result, value) = (answer.byte()?, answer.byte()?, answer.value()?);
+                    let (variable, result, value) =
+                        (answer.byte()?, answer.byte()?, answer.value()?);
                     match (variable, &value) {
                         _ if result != 0 => {
                             let words = value.text().to_owned();
@@ -288,7 +307,9 @@ impl Client {
                         (0x2d, _) => state.next_s = value.number(),
                         (0x28, _) => state.phase = value.number().max(0.0) as usize,
                         (0x38, _) => state.spent_s = value.number(),
-                        _ => return Err(ProgramError::Nonsense("a variable that was not asked for")),
+                        _ => {
+                            return Err(ProgramError::Nonsense("a variable that was not asked for"));
+                        }
                     }
                 }
                 match is_context {

@@ -45,7 +45,8 @@ impl Config {
 
 /// The value of an option, in whichever section it stands.
 fn option<'a>(root: &'a Element, names: &[&str]) -> Option<&'a str> {
-    let below = root.children.iter().flat_map(|section| std::iter::once(section).chain(&section.children));
+    let below =
+        root.children.iter().flat_map(|section| std::iter::once(section).chain(&section.children));
     let mut named = below.filter(|element| names.contains(&element.name.as_str()));
     named.find_map(|element| element.attribute("value").or_else(|| element.attribute("v")))
 }

@@ -73,7 +73,11 @@ fn of_element(element: &Element, source: &Source, net: &Net) -> Result<Vec<Strin
         let found = all.find(|one| one.name == "route" && one.attribute("id") == Some(name));
         let edges = found.and_then(|route| route.attribute("edges"));
         return edges.map(words).ok_or_else(|| {
-            source.refuse(element, format!("there is no route `{name}` in this file"), "one with edges")
+            source.refuse(
+                element,
+                format!("there is no route `{name}` in this file"),
+                "one with edges",
+            )
         });
     }
     let (Some(from), Some(to)) = (element.attribute("from"), element.attribute("to")) else {
@@ -97,7 +101,11 @@ fn quickest(net: &Net, stops: &[String]) -> Result<Vec<String>, ReadError> {
             some.truncate(LISTED);
             let names: Vec<String> = some.iter().map(|id| format!("`{id}`")).collect();
             let expected = format!("one of {}{rest}", names.join(", "));
-            return Err(ReadError::ego(&net.file, format!("the net has no edge `{edge}`"), expected));
+            return Err(ReadError::ego(
+                &net.file,
+                format!("the net has no edge `{edge}`"),
+                expected,
+            ));
         }
     }
     let mut way = vec![stops[0].clone()];

@@ -53,7 +53,9 @@ pub enum ProgramError {
         reason: std::io::Error,
     },
     /// It speaks another version of the protocol.
-    #[error("SUMO: {name} speaks version {version} of TraCI, expected {expected} or later (SUMO 1.20)")]
+    #[error(
+        "SUMO: {name} speaks version {version} of TraCI, expected {expected} or later (SUMO 1.20)"
+    )]
     Version {
         /// The program's own name.
         name: String,
@@ -90,7 +92,9 @@ pub enum ProgramError {
     #[error("SUMO: an answer that is not TraCI: {0}")]
     Nonsense(&'static str),
     /// The ego found no place on its first lane.
-    #[error("SUMO: no room for the ego on lane `{lane}` within {waited_s} s of simulated time, expected a lane with a gap (traffic.begin_s moves the start)")]
+    #[error(
+        "SUMO: no room for the ego on lane `{lane}` within {waited_s} s of simulated time, expected a lane with a gap (traffic.begin_s moves the start)"
+    )]
     NoRoom {
         /// The lane.
         lane: String,

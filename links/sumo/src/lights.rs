@@ -74,7 +74,10 @@ pub struct Plan(Vec<Phase>);
 impl Plan {
     /// The program `present` of those that SUMO gives.
     pub fn of(present: &str, programs: &Value) -> Self {
-        let own = programs.parts().iter().find(|one| one.parts().first().is_some_and(|id| id.text() == present));
+        let own = programs
+            .parts()
+            .iter()
+            .find(|one| one.parts().first().is_some_and(|id| id.text() == present));
         let parts = own.map_or(&[][..], Value::parts);
         let (kind, phases) = (parts.get(1).map_or(0.0, Value::number), parts.get(3));
         let phase = |phase: &Value| {
@@ -85,7 +88,8 @@ impl Plan {
                 true => [usual_s; 3],
                 false => [least_s.min(usual_s), usual_s, most_s.max(usual_s)],
             };
-            let next = part(4).and_then(|next| next.parts().first()).map(|next| next.number() as usize);
+            let next =
+                part(4).and_then(|next| next.parts().first()).map(|next| next.number() as usize);
             Phase { letters: part(1).map_or("", Value::text).to_owned(), lasts_s, next }
         };
         Self(phases.map_or(&[][..], Value::parts).iter().map(phase).collect())
@@ -166,7 +170,11 @@ mod tests {
 
     #[test]
     fn an_actuated_green_ends_between_its_bounds() {
-        let plan = Plan(vec![phase("Gr", [5.0, 40.0, 50.0]), phase("yr", [3.0; 3]), phase("rG", [5.0, 20.0, 30.0])]);
+        let plan = Plan(vec![
+            phase("Gr", [5.0, 40.0, 50.0]),
+            phase("yr", [3.0; 3]),
+            phase("rG", [5.0, 20.0, 30.0]),
+        ]);
         let now = plan.now(&state("Gr", 0, 10.0, 12.0), 0, 11.0, 0.0);
         assert_eq!(now.intervals[0].ends_s, [11.0, 12.0, 51.0]);
         assert_eq!(now.intervals[1].ends_s, [14.0, 15.0, 54.0]);
@@ -179,6 +187,9 @@ mod tests {
         let now = plan.now(&state("G", 0, 0.0, 30.0), 0, 0.0, 0.0);
         assert_eq!(now.intervals.len(), 1);
         assert!(now.intervals[0].ends_s[0].is_infinite());
-        assert_eq!(plan.now(&state("o", 0, 0.0, 30.0), 0, 0.0, 0.0).intervals[0].colour, Colour::Dark);
+        assert_eq!(
+            plan.now(&state("o", 0, 0.0, 30.0), 0, 0.0, 0.0).intervals[0].colour,
+            Colour::Dark
+        );
     }
 }

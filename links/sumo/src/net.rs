@@ -82,7 +82,6 @@ const LANE_WIDTH_M: f64 = 3.2;
 /// A lane of an edge.
 #[derive(Clone, Debug)]
 pub struct Lane {
-    pub id: String,
     pub speed_mps: f64,
     pub width_m: f64,
     /// Its middle, in the direction of its traffic.
@@ -176,7 +175,6 @@ fn read_lane(source: &Source, element: &Element) -> Result<Lane, ReadError> {
     };
     let allows = element.attribute("allow").is_none_or(|_| word("allow", "passenger"));
     Ok(Lane {
-        id: source.text(element, "id")?.to_owned(),
         speed_mps,
         width_m: if width_m > 0.0 { width_m } else { LANE_WIDTH_M },
         shape,

@@ -63,7 +63,8 @@ pub fn along(net: &Net, edges: &[String]) -> Result<Path, ReadError> {
     let lanes = lanes_along(net, edges)?;
     path.first_lane = lanes[0].enters;
     let first = &net.edges[&edges[0]];
-    let drivable = |lanes: &mut dyn Iterator<Item = &Lane>| lanes.take_while(|l| l.drivable).count();
+    let drivable =
+        |lanes: &mut dyn Iterator<Item = &Lane>| lanes.take_while(|l| l.drivable).count();
     path.beside = [
         drivable(&mut first.iter().skip(path.first_lane + 1)),
         drivable(&mut first.iter().take(path.first_lane).rev()),
@@ -118,7 +119,8 @@ impl Path {
         if on.enters == on.leaves {
             return self.follow(from, lines(lanes, on.enters));
         }
-        let whole_m = |lane: &Lane| lane.shape.windows(2).map(|p| distance(p[0], p[1])).sum::<f64>();
+        let whole_m =
+            |lane: &Lane| lane.shape.windows(2).map(|p| distance(p[0], p[1])).sum::<f64>();
         let (first_m, second_m) = (whole_m(from), whole_m(to));
         let changed = on.enters.abs_diff(on.leaves) as f64;
         let share = (CHANGE_M * changed / first_m).min(CHANGE_SHARE);

@@ -34,7 +34,7 @@ impl Smooth {
         let kept = corners(&means);
         let (mut pieces, mut places) = (Vec::new(), vec![[0.0, 0.0]]);
         let (mut length_m, mut cut_m) = (0.0, 0.0);
-        let mut line = |way_m: f64, pieces: &mut Vec<Piece>| {
+        let line = |way_m: f64, pieces: &mut Vec<Piece>| {
             if way_m > SHORTEST_M {
                 pieces.push(Piece::Line { length_m: way_m });
                 way_m

@@ -227,7 +227,8 @@ impl World {
                 self.take()?;
             }
         }
-        let known_ns = if self.is_open { self.known_ns.saturating_sub(STEP_NS) } else { self.known_ns };
+        let known_ns =
+            if self.is_open { self.known_ns.saturating_sub(STEP_NS) } else { self.known_ns };
         let age_s = seconds(time_ns.saturating_sub(known_ns));
         for (body, (_, known)) in self.bodies.iter_mut().zip(&self.slots) {
             *body = known.after(age_s);
@@ -264,8 +265,12 @@ impl World {
         if !step.states.is_empty() {
             self.states = step.states;
         }
-        let mut near: Vec<(f64, Vehicle)> = step.vehicles.into_iter().filter(|v| v.id != self.ego)
-            .map(|vehicle| (self.distance_m(&vehicle), vehicle)).collect();
+        let mut near: Vec<(f64, Vehicle)> = step
+            .vehicles
+            .into_iter()
+            .filter(|v| v.id != self.ego)
+            .map(|vehicle| (self.distance_m(&vehicle), vehicle))
+            .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.id.cmp(&b.1.id)));
         let mut found: Vec<(String, Body)> = Vec::with_capacity(self.most);
         for (_, vehicle) in near {
@@ -315,7 +320,8 @@ impl World {
         let angle_rad = libm::remainder(front.heading_rad - tangent_rad, std::f64::consts::TAU);
         let (sine, cosine) = libm::sincos(angle_rad);
         let body_rad = libm::remainder(angle_rad, std::f64::consts::PI);
-        let acceleration = if vehicle.acceleration_mps2.is_finite() { vehicle.acceleration_mps2 } else { 0.0 };
+        let acceleration =
+            if vehicle.acceleration_mps2.is_finite() { vehicle.acceleration_mps2 } else { 0.0 };
         Some(Body {
             present: true,
             middle_m,
@@ -336,7 +342,8 @@ impl World {
         let own = (self.place_m / SPACING_M).max(0.0) as usize;
         let from = own.saturating_sub(reach).min(self.marks.len() - 1);
         let to = (own + reach).min(self.marks.len() - 1);
-        let way_m = |index: &usize| libm::hypot(x_m - self.marks[*index][0], y_m - self.marks[*index][1]);
+        let way_m =
+            |index: &usize| libm::hypot(x_m - self.marks[*index][0], y_m - self.marks[*index][1]);
         let nearest = (from..=to).min_by(|a, b| way_m(a).total_cmp(&way_m(b)));
         nearest.unwrap_or(from) as f64 * SPACING_M
     }

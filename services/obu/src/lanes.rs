@@ -1,9 +1,10 @@
 //! The lanes of a MAPEM that the vehicle drives on: on its path, in its direction.
 //!
-//! The vehicle's path is the road: straight, from the scenario's `v2x.origin`.
+//! The vehicle's path is the road, from the scenario's `v2x.origin`: straight, or its way through a net.
 
 use its::geodesy::{Plane, Position};
-use its::mapem::{Approach, IntersectionGeometry, Lane, STRAIGHT};
+use its::mapem::{Approach, Connection, IntersectionGeometry, Lane, STRAIGHT};
+use road::Axis;
 use scenario::radio::Origin;
 
 use crate::numbers::Numbers;
@@ -26,43 +27,87 @@ pub fn road_plane(origin: &Origin) -> Plane {
     Plane::along(Position { latitude, longitude }, origin.heading_deg.value())
 }
 
-/// The stop lines of the way straight on, nearest to the origin first.
+/// The vehicle's path on the Earth.
+#[derive(Clone, Debug)]
+pub struct Path {
+    plane: Plane,
+    /// Its way in the plane; a straight line along the plane's axis without one.
+    axis: Option<Axis>,
+}
+
+impl Path {
+    /// A path in the plane around its beginning.
+    pub fn new(plane: Plane, axis: Option<Axis>) -> Self {
+        Self { plane, axis }
+    }
+
+    /// The same plane with another way in it.
+    pub fn along(self, axis: Option<Axis>) -> Self {
+        Self { axis, ..self }
+    }
+
+    /// Distance of a position along the path and to its left, m.
+    pub fn point(&self, position: Position) -> (f64, f64) {
+        let (x_m, y_m) = self.plane.point(position);
+        self.place(x_m, y_m).0
+    }
+
+    /// The same of a point of the plane, with cosine and sine of the path's heading there.
+    fn place(&self, x_m: f64, y_m: f64) -> ((f64, f64), (f64, f64)) {
+        let Some(axis) = &self.axis else { return ((x_m, y_m), (1.0, 0.0)) };
+        let (along_m, left_m) = axis.nearest(x_m, y_m);
+        let (sine, cosine) = libm::sincos(axis.heading_rad(along_m));
+        ((along_m, left_m), (cosine, sine))
+    }
+}
+
+/// The stop lines of the way straight on, or of the way of the path, nearest to the origin first.
 pub fn stop_lines(
     geometry: &IntersectionGeometry,
-    plane: &Plane,
+    path: &Path,
     numbers: &Numbers,
 ) -> Vec<StopLine> {
-    let reference = plane.point(geometry.reference);
+    let reference = path.plane.point(geometry.reference);
     let half_m = geometry.lane_width_cm.map_or(HALF_WIDTH_M, |cm| f64::from(cm) / 200.0);
-    let lines = geometry
-        .lanes
-        .iter()
-        .filter_map(|lane| stop_line(lane, plane, reference, (half_m, numbers.same_way_cos)));
+    let lines = geometry.lanes.iter().filter_map(|lane| {
+        stop_line((lane, geometry), path, reference, (half_m, numbers.same_way_cos))
+    });
     let mut lines: Vec<StopLine> = lines.collect();
     lines.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
     lines
 }
 
 fn stop_line(
-    lane: &Lane,
-    plane: &Plane,
+    (lane, geometry): (&Lane, &IntersectionGeometry),
+    path: &Path,
     reference: (f64, f64),
     (half_m, same_way_cos): (f64, f64),
 ) -> Option<StopLine> {
     let Approach::Ingress(_) = lane.approach else { return None };
     let metres = |(east, north): (i16, i16)| {
-        plane.from_earth((f64::from(east) / 100.0, f64::from(north) / 100.0))
+        path.plane.from_earth((f64::from(east) / 100.0, f64::from(north) / 100.0))
     };
     let [first, second, ..] = lane.nodes[..] else { return None };
     let ((to_line_m, to_left_m), (away_x, away_y)) = (metres(first), metres(second));
-    let (along_m, left_m) = (reference.0 + to_line_m, reference.1 + to_left_m);
+    let placed = |(x_m, y_m): (f64, f64)| path.place(reference.0 + x_m, reference.1 + y_m);
+    let ((along_m, left_m), (cosine, sine)) = placed((to_line_m, to_left_m));
+    let away_m = libm::hypot(away_x, away_y);
+    let away_x = away_x * cosine + away_y * sine;
     // Nodes lead away from the stop line, the vehicle drives towards it.
-    if -away_x <= same_way_cos * libm::hypot(away_x, away_y) || left_m.abs() > half_m {
+    if -away_x <= same_way_cos * away_m || left_m.abs() > half_m {
         return None;
     }
-    let straight = lane.connections.iter().find(|connection| {
-        let maneuvers = connection.maneuver.unwrap_or(lane.maneuvers);
-        maneuvers & STRAIGHT != 0
+    let leads_on = |connection: &&Connection| {
+        let exit = geometry.lanes.iter().find(|other| other.id == connection.lane);
+        let exit = exit.and_then(|exit| exit.nodes.first());
+        exit.is_some_and(|node| placed(metres(*node)).0.1.abs() <= half_m)
+    };
+    let onward = path.axis.as_ref().and_then(|_| lane.connections.iter().find(leads_on));
+    let straight = onward.or_else(|| {
+        lane.connections.iter().find(|connection| {
+            let maneuvers = connection.maneuver.unwrap_or(lane.maneuvers);
+            maneuvers & STRAIGHT != 0
+        })
     })?;
     Some(StopLine { signal_group: straight.signal_group?, position_m: along_m })
 }

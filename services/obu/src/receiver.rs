@@ -11,7 +11,7 @@
 
 use crate::clock::Moment;
 use crate::intersection::Intersection;
-use crate::lanes::{StopLine, stop_lines};
+use crate::lanes::{Path, StopLine, stop_lines};
 use crate::numbers::Numbers;
 use crate::signers::Signers;
 use crate::verdict::{Verdict, Verdicts};
@@ -22,6 +22,7 @@ use its::signed;
 use its::spatem::Spatem;
 use its::time::from_its_timestamp;
 use messages::{Lane, Map, Spat};
+use road::Axis;
 use std::collections::VecDeque;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -41,7 +42,7 @@ pub struct Receiver {
     numbers: Numbers,
     station_id: u32,
     max_age_ms: i64,
-    plane: Plane,
+    path: Path,
     intersections: Vec<Intersection>,
     heard: VecDeque<u64>,
     verdicts: Verdicts,
@@ -61,7 +62,7 @@ impl Receiver {
             numbers: *numbers,
             station_id,
             max_age_ms,
-            plane,
+            path: Path::new(plane, None),
             intersections: Vec::new(),
             heard: VecDeque::with_capacity(REMEMBERED_FRAMES),
             verdicts: Verdicts::default(),
@@ -78,6 +79,11 @@ impl Receiver {
     /// The signers of the frames so far, as their envelopes name them.
     pub fn signers(&self) -> &Signers {
         &self.signers
+    }
+
+    /// The same on a way through a net.
+    pub fn along(self, axis: Option<Axis>) -> Self {
+        Self { path: self.path.along(axis), ..self }
     }
 
     /// Continues these counts.
@@ -161,7 +167,7 @@ impl Receiver {
         }
         let stamp = i64::from(frame.source.timestamp);
         let made_ms = from_its_timestamp(stamp, 1 << 32, moment.utc_ms());
-        let (along_m, left_m) = self.plane.point(frame.source.position);
+        let (along_m, left_m) = self.path.point(frame.source.position);
         let unit_m = (left_m.abs() <= self.numbers.beside_path_m).then_some(along_m);
         match &frame.message {
             Message::Spatem(spatem) => self.take_spatem(spatem, made_ms, unit_m, moment),
@@ -219,7 +225,7 @@ impl Receiver {
         let is_usable = moment.age_ms(sent_ms).abs() <= OLDEST_MAP_MS;
         let mut worst = Verdict::Accepted;
         for geometry in &mapem.intersections {
-            let lines = stop_lines(geometry, &self.plane, &numbers);
+            let lines = stop_lines(geometry, &self.path, &numbers);
             let verdict = match self.intersection(geometry.id, moment.now_ns) {
                 Some(known) if is_sent_now || is_usable && known.map.is_none() => {
                     known.note(moment.now_ns, unit_m);

@@ -115,6 +115,8 @@ impl Unit {
         let (keys, origin) = (&scenario.v2x.obu, &scenario.v2x.origin);
         let period_ns = i64::from(scenario.v2x.period_ms.value()) * 1_000_000;
         let station_id = keys.station_id.value();
+        let net = scenario.traffic.route().and_then(|_| scenario.road.plan());
+        let axis = net.map(|plan| plan.axis().clone());
         Ok(Self {
             odometry: runtime.subscriber()?,
             frames: runtime.releasing_subscriber()?,
@@ -127,6 +129,7 @@ impl Unit {
                 road_plane(origin),
             )
             .with_signed(keys.signed == SignedFrames::Use)
+            .along(axis)
             .counting(Verdicts::open(runtime.figures())?),
             awareness: Awareness::new(
                 Vehicle {

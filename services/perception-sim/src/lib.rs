@@ -39,6 +39,7 @@ pub mod random;
 pub mod report;
 mod service;
 mod stage;
+mod sumo_world;
 pub mod tracking;
 pub mod traffic;
 pub mod vehicle;

@@ -4,6 +4,7 @@ use crate::perception::Perception;
 use crate::plane::PlanePorts;
 use crate::poses::Poses;
 use crate::radar::scene::Ego;
+use crate::sumo_world::SumoWorld;
 use crate::tracking::TrackList;
 use crate::traffic::Snapshot;
 use crate::vehicle::Vehicle;
@@ -35,6 +36,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut plane = PlanePorts::open(&mut runtime, &scenario)?;
     let mut poses = Poses::open(&mut runtime, &scenario)?;
     let mut output = DetectionOutput::open(&mut runtime, scenario.perception.model())?;
+    let mut sumo = SumoWorld::open(&mut runtime, &scenario)?;
     let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
     let mut checkpoint = match runtime.clock().mode() {
         Mode::Realtime => Some(runtime.checkpoint::<Snapshot>()?),
@@ -63,6 +65,9 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let mut detections = output.loan()?;
         let room = output.room(detections.as_mut());
         let in_plane = plane.as_ref().map(|plane| plane.ego(&ego, ego_truth.newest(), &release));
+        if let (Some(sumo), Some(in_plane)) = (&mut sumo, &in_plane) {
+            sumo.advance(time_ns, &ego, in_plane, perception.traffic())?;
+        }
         let map = plane.as_ref().and_then(|plane| plane.map(told));
         let list = *perception.step_in_plane(time_ns, &ego, told, in_plane, map.as_ref(), room);
         if let Some(checkpoint) = checkpoint.as_mut().filter(|_| !runtime.is_standby()) {
@@ -93,6 +98,9 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         }
         if let Some(poses) = &mut poses {
             poses.send(header, perception.vehicles())?;
+        }
+        if let Some(sumo) = &mut sumo {
+            sumo.send(header, ego.position_m)?;
         }
 
         let seen = odometry.newest().is_some();

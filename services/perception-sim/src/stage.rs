@@ -154,6 +154,7 @@ impl Stage {
             length_m: extent.to_s_m - extent.from_s_m,
             width_m,
             touches_within_m: 0.5 * (width_m + self.ego_width_m),
+            turned_rad: 0.0,
         }
     }
 

@@ -112,11 +112,20 @@ impl Traffic {
     /// Brings all vehicles to `time_ns`, which never goes back. A vehicle that appears is placed
     /// relative to the ego's front bumper.
     pub fn advance(&mut self, time_ns: u64, ego: &Ego) {
-        for (mover, vehicle) in self.movers.iter_mut().zip(&mut self.vehicles) {
+        // Vehicles of SUMO are placed.
+        let own = |(mover, _): &(&mut Mover, &mut Vehicle)| mover.actor.profile != Profile::Sumo;
+        for (mover, vehicle) in self.movers.iter_mut().zip(&mut self.vehicles).filter(own) {
             *vehicle = mover.advance(time_ns, ego.position_m);
         }
         if let Some(stage) = &mut self.stage {
             stage.advance(time_ns, ego, &mut self.vehicles);
+        }
+    }
+
+    /// Places the vehicles of SUMO.
+    pub(crate) fn place(&mut self, vehicles: impl Iterator<Item = Vehicle>) {
+        for (place, vehicle) in self.vehicles.iter_mut().zip(vehicles) {
+            *place = vehicle;
         }
     }
 
@@ -204,6 +213,7 @@ impl Mover {
             length_m: self.actor.length_m.value(),
             width_m: self.actor.width_m.value(),
             touches_within_m: 0.5 * (self.actor.width_m.value() + VEHICLE_WIDTH_M),
+            turned_rad: 0.0,
         }
     }
 
@@ -252,7 +262,7 @@ impl Mover {
     fn acceleration(&self, base: &Base, step_s: f64) -> f64 {
         let (start_s, speed) = (seconds(base.time_ns), base.speed_mps);
         let wanted = match &self.actor.profile {
-            Profile::Constant | Profile::Storyboard => 0.0,
+            Profile::Constant | Profile::Storyboard | Profile::Sumo => 0.0,
             Profile::Steps(steps) => {
                 current(steps, start_s, |step| step.time_s.value()).map_or(0.0, |step| {
                     let rate = step.acceleration_mps2.value();

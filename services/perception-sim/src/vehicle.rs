@@ -21,6 +21,8 @@ pub struct Vehicle {
     pub width_m: f64,
     /// Lateral distance below which its body and the ego's would touch, m.
     pub touches_within_m: f64,
+    /// Angle of its body to the axis, rad, left positive: 0 for one that goes along it, either way.
+    pub turned_rad: f64,
 }
 
 impl Vehicle {
@@ -30,12 +32,28 @@ impl Vehicle {
         self.present && self.lateral_m.abs() < self.touches_within_m
     }
 
-    /// Its middle, with the heading of its body, in the frame that begins with the road. The body has the tangent's heading,
-    /// or the opposite one where it comes towards the ego.
+    /// Half of its extent along the axis, m.
+    #[must_use]
+    pub fn half_along_m(&self) -> f64 {
+        half_extent_m(self.length_m, self.width_m, self.turned_rad)
+    }
+
+    /// Its middle, with the heading of its body, in the frame that begins with the road. The body has the tangent's heading
+    /// and its own angle to it, or the opposite one where it comes towards the ego.
     #[must_use]
     pub fn pose(&self, axis: &road::Axis) -> road::Pose {
-        let tangent = axis.point(self.rear_position_m + 0.5 * self.length_m, self.lateral_m);
-        let turned_rad = if self.speed_mps < 0.0 { std::f64::consts::PI } else { 0.0 };
-        road::Pose { heading_rad: tangent.heading_rad + turned_rad, ..tangent }
+        let tangent = axis.point(self.rear_position_m + self.half_along_m(), self.lateral_m);
+        let faces_rad = if self.speed_mps < 0.0 { std::f64::consts::PI } else { 0.0 };
+        let heading_rad = tangent.heading_rad + self.turned_rad + faces_rad;
+        road::Pose { heading_rad, ..tangent }
     }
+}
+
+/// Half of the extent of a rectangle in the direction from which it is turned, m.
+pub(crate) fn half_extent_m(length_m: f64, width_m: f64, turned_rad: f64) -> f64 {
+    if turned_rad == 0.0 {
+        return 0.5 * length_m;
+    }
+    let (sine, cosine) = libm::sincos(turned_rad);
+    0.5 * (length_m * cosine.abs() + width_m * sine.abs())
 }

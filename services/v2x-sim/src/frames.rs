@@ -12,13 +12,14 @@ use crate::program::Program;
 use crate::roadside_unit::CERTAIN;
 use its::geodesy::{Plane, Position};
 use its::geonetworking::{Source, StationType};
-use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, Lane, Mapem, STRAIGHT};
+use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, Lane, Mapem, RIGHT, STRAIGHT};
 use its::spatem::{IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing};
 use its::time::{Stamp, TimeMark, its_timestamp};
 use its::{EncodeError, Frame, Message, MessageKind};
-use messages::MAX_INTERVALS;
+use messages::{Lights, MAX_INTERVALS, PhaseState};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
+use road::Axis;
 use scenario::Scenario;
 use scenario::quantity::Time;
 use scenario::radio::{Origin, Unit};
@@ -32,6 +33,10 @@ pub const FIRST_CONTRADICTING_STATION: u32 = 200_000;
 const JITTER_STREAM: u64 = 0x5a17_c0de_0a1b_0003;
 /// Lane ids: the ego's lanes count from 1, the turning lanes from here.
 const TURNING: u8 = 101;
+/// Distance between the nodes of a lane along a curve, m.
+const NODE_M: f64 = 10.0;
+/// Turn from which a way through an intersection is a turn, rad.
+const TURN_RAD: f64 = 0.5;
 /// Lane id of the exits.
 const EXITS: u8 = 201;
 
@@ -50,6 +55,8 @@ pub struct Frames {
     range_m: f64,
     period_ns: u64,
     plane: Plane,
+    /// The ego's route through a net, along which the lanes of the maps lie.
+    axis: Option<Axis>,
 }
 
 /// A frame as its unit sends it.
@@ -98,6 +105,7 @@ impl Frames {
             range_m: v2x.range_m.value(),
             period_ns: v2x.period_ms.nanoseconds(),
             plane: road_plane(&v2x.origin),
+            axis: scenario.traffic.route().and_then(|_| Some(scenario.road.plan()?.axis().clone())),
         }
     }
 
@@ -112,6 +120,30 @@ impl Frames {
         utc_start_ns: i64,
         ego_m: Option<f64>,
     ) -> Result<Vec<SentFrame>, EncodeError> {
+        self.sent(time_ns, utc_start_ns, ego_m, None)
+    }
+
+    /// The same with the lights of another simulator in the place of programs.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub fn at_lights(
+        &self,
+        time_ns: u64,
+        utc_start_ns: i64,
+        ego_m: f64,
+        lights: &Lights,
+    ) -> Result<Vec<SentFrame>, EncodeError> {
+        self.sent(time_ns, utc_start_ns, Some(ego_m), Some(lights))
+    }
+
+    fn sent(
+        &self,
+        time_ns: u64,
+        utc_start_ns: i64,
+        ego_m: Option<f64>,
+        lights: Option<&Lights>,
+    ) -> Result<Vec<SentFrame>, EncodeError> {
         let clock = Now::of(time_ns, utc_start_ns, &self.wrong);
         let mut sent = Vec::new();
         for (site, index) in self.sites.iter().zip(0_u64..) {
@@ -120,18 +152,24 @@ impl Frames {
                 continue;
             }
             let station = FIRST_STATION + u32::from(site.intersection);
-            let spatem = site.spatem(station, &now, |program| self.events(program, &now));
+            let spatem = site.spatem(station, &now, |group, program| match lights {
+                Some(lights) => shown(lights, (site.intersection, group), &now),
+                None => self.events(program, &now),
+            });
             sent.push(self.frame(site, Message::Spatem(spatem), &now)?);
             if begun(self.wrong.contradicted_from_s, time_ns) {
                 let other = FIRST_CONTRADICTING_STATION + u32::from(site.intersection);
-                let spatem = site.spatem(other, &now, |_| vec![always_green(&now)]);
+                let spatem = site.spatem(other, &now, |_, _| vec![always_green(&now)]);
                 sent.push(self.frame(site, Message::Spatem(spatem), &now)?);
             }
             // The units send their maps in turns.
             let map_period_ns = (1e9 * NUMBERS.map_period_s) as u64;
             if (time_ns + index * self.period_ns) % map_period_ns < self.period_ns {
                 let shift_m = if now.revision > 0 { self.wrong.map_shift_m.value() } else { 0.0 };
-                let mapem = site.mapem(station, &now, &self.plane, shift_m)?;
+                let mapem = match &self.axis {
+                    Some(axis) => site.mapem_along(axis, station, &now, &self.plane),
+                    None => site.mapem(station, &now, &self.plane, shift_m)?,
+                };
                 sent.push(self.frame(site, Message::Mapem(mapem), &now)?);
             }
         }
@@ -203,12 +241,13 @@ impl Site {
         &self,
         station_id: u32,
         now: &Now,
-        events: impl Fn(&Program) -> Vec<MovementEvent>,
+        events: impl Fn(u8, &Program) -> Vec<MovementEvent>,
     ) -> Spatem {
         let ego = self.signals.iter().map(|(signal_group, _, program)| MovementState {
             signal_group: *signal_group,
-            events: events(program),
+            events: events(*signal_group, program),
         });
+        let ego = ego.filter(|movement| !movement.events.is_empty());
         let turning = MovementState {
             signal_group: self.turning_group,
             events: vec![event(Phase::Red, None, now)],
@@ -280,6 +319,93 @@ impl Site {
     }
 }
 
+impl Site {
+    /// The ego's lanes along its way through a net, with the nodes of their curves.
+    fn mapem_along(&self, axis: &Axis, station_id: u32, now: &Now, plane: &Plane) -> Mapem {
+        let point = |p_m: f64| {
+            let pose = axis.pose(p_m);
+            (pose.x_m, pose.y_m)
+        };
+        let reference = point(self.middle_m());
+        let count = (NUMBERS.lane_m / NODE_M) as i32;
+        let nodes = |from_m: f64, step_m: f64| {
+            let mut last = reference;
+            let node = |index: i32| {
+                let (x_m, y_m) = point(from_m + f64::from(index) * step_m);
+                let to_cm = |to_m: f64| (100.0 * to_m).round() as i16;
+                let cm = (to_cm(x_m - last.0), to_cm(y_m - last.1));
+                // What rounding left is made up for by the next node.
+                last = (last.0 + f64::from(cm.0) / 100.0, last.1 + f64::from(cm.1) / 100.0);
+                earth_node(plane, cm.0, cm.1)
+            };
+            (0..=count).map(node).collect::<Vec<_>>()
+        };
+        let mut lanes = Vec::new();
+        for ((signal_group, stop_line_m, _), n) in self.signals.iter().zip(0_u8..) {
+            let exit_m = stop_line_m + 2.0 * NUMBERS.to_middle_m;
+            let turn_rad = axis.heading_rad(exit_m) - axis.heading_rad(stop_line_m - NODE_M);
+            let maneuver = match turn_rad {
+                left if left > TURN_RAD => LEFT,
+                right if right < -TURN_RAD => RIGHT,
+                _ => STRAIGHT,
+            };
+            lanes.push(Lane {
+                id: 1 + n,
+                approach: Approach::Ingress(1),
+                maneuvers: maneuver,
+                nodes: nodes(*stop_line_m, -NODE_M),
+                connections: vec![Connection {
+                    lane: EXITS + n,
+                    maneuver: Some(maneuver),
+                    signal_group: Some(*signal_group),
+                }],
+            });
+            lanes.push(Lane {
+                id: EXITS + n,
+                approach: Approach::Egress(2),
+                maneuvers: 0,
+                nodes: nodes(exit_m, NODE_M),
+                connections: Vec::new(),
+            });
+        }
+        let geometry = IntersectionGeometry {
+            region: None,
+            id: self.intersection,
+            revision: now.revision,
+            reference: plane.position(reference.0, reference.1),
+            lane_width_cm: Some((100.0 * NUMBERS.lane_width_m) as u16),
+            lanes,
+            unread_lanes: 0,
+        };
+        Mapem { station_id, revision: now.revision, intersections: vec![geometry] }
+    }
+}
+
+/// The intervals of a signal of another simulator.
+fn shown(lights: &Lights, id: (u16, u8), now: &Now) -> Vec<MovementEvent> {
+    let count = usize::try_from(lights.count).map_or(0, |count| count.min(lights.signals.len()));
+    let is_it = |signal: &&messages::Signal| {
+        (signal.intersection_id, signal.signal_group) == (id.0.into(), id.1.into())
+    };
+    let found = lights.signals[..count].iter().find(is_it);
+    let intervals = found.map_or(&[][..], |signal| {
+        let count = usize::try_from(signal.count).map_or(0, |n| n.min(MAX_INTERVALS));
+        &signal.intervals[..count]
+    });
+    let event = |interval: &messages::Interval| {
+        let phase = match PhaseState::from_wire(interval.state) {
+            PhaseState::ProtectedMovementAllowed => Phase::Green,
+            PhaseState::ProtectedClearance => Phase::Yellow,
+            PhaseState::StopAndRemain | PhaseState::Unavailable => Phase::Red,
+        };
+        let utc_ms =
+            |end_s: f64| end_s.is_finite().then(|| now.of_run((end_s.max(0.0) * 1e9) as u64));
+        let ends_ms = [interval.min_end_s, interval.likely_end_s, interval.max_end_s].map(utc_ms);
+        timed(phase, ends_ms, interval.confidence as u8, now)
+    };
+    intervals.iter().map(event).collect()
+}
+
 /// A node of a lane, east and north of the node before, cm.
 fn earth_node(plane: &Plane, along_cm: i16, left_cm: i16) -> (i16, i16) {
     let (east_cm, north_cm) = plane.to_earth((along_cm.into(), left_cm.into()));
@@ -328,6 +454,16 @@ fn begun(from: Option<Time>, time_ns: u64) -> bool {
 /// A phase with its end in UTC, ms, or without a planned end. Marks are tenths of a second: the earliest end is
 /// rounded down, the latest up.
 fn event(phase: Phase, end_ms: Option<i64>, now: &Now) -> MovementEvent {
+    timed(phase, [end_ms; 3], CERTAIN, now)
+}
+
+/// The same with the earliest, the likely and the latest end.
+fn timed(
+    phase: Phase,
+    [least_ms, likely_ms, most_ms]: [Option<i64>; 3],
+    confidence: u8,
+    now: &Now,
+) -> MovementEvent {
     let state = match phase {
         Phase::Green => MovementPhase::ProtectedMovementAllowed,
         Phase::Yellow => MovementPhase::ProtectedClearance,
@@ -336,10 +472,10 @@ fn event(phase: Phase, end_ms: Option<i64>, now: &Now) -> MovementEvent {
     let mark = |ms: Option<i64>| ms.map_or(TimeMark::BEYOND, |ms| TimeMark::of(ms, now.utc_ms));
     let timing = Timing {
         start: None,
-        min_end: mark(end_ms.map(|ms| ms.div_euclid(100) * 100)),
-        max_end: Some(mark(end_ms.map(|ms| (ms + 99).div_euclid(100) * 100))),
-        likely_end: Some(mark(end_ms)),
-        confidence: Some(CERTAIN),
+        min_end: mark(least_ms.map(|ms| ms.div_euclid(100) * 100)),
+        max_end: Some(mark(most_ms.map(|ms| (ms + 99).div_euclid(100) * 100))),
+        likely_end: Some(mark(likely_ms)),
+        confidence: Some(confidence),
         next: None,
     };
     MovementEvent { state, timing: Some(timing) }

@@ -3,7 +3,7 @@
 //! The programs are fixed: earliest, likely and latest end are equal and certain. An end is infinite for a phase that
 //! lasts for ever.
 
-use messages::{Interval, Lane, MAX_INTERVALS, MAX_SIGNALS, PhaseState, Signal};
+use messages::{Interval, Lane, Lights, MAX_INTERVALS, MAX_SIGNALS, PhaseState, Signal};
 use scenario::v2x::{Phase, V2x};
 
 use crate::numbers::NUMBERS;
@@ -60,6 +60,11 @@ impl RoadsideUnit {
         self.signals_within(f64::INFINITY, clock, time_ns, ego_position_m)
     }
 
+    /// The same signals as another simulator shows them, those within the radio's range.
+    pub fn received_of(&self, lights: &Lights, ego_position_m: f64) -> Signals {
+        Signals::of(lights, ego_position_m, self.range_m)
+    }
+
     fn signals_within(
         &self,
         range_m: f64,
@@ -100,6 +105,20 @@ impl Signals {
         signals: [NO_SIGNAL; MAX_SIGNALS],
         count: 0,
     };
+
+    /// Those of another simulator that are up to `range_m` ahead of the ego, and those just passed.
+    pub fn of(lights: &Lights, ego_position_m: f64, range_m: f64) -> Self {
+        let mut near = Self::NONE;
+        let count = usize::try_from(lights.count).map_or(0, |count| count.min(MAX_SIGNALS));
+        for (lane, signal) in lights.lanes.iter().zip(&lights.signals).take(count) {
+            if (-NUMBERS.passed_m..=range_m).contains(&(lane.stop_line_m - ego_position_m)) {
+                let slot = near.count as usize;
+                (near.lanes[slot], near.signals[slot]) = (*lane, *signal);
+                near.count += 1;
+            }
+        }
+        near
+    }
 
     /// The valid signals with their stop lines.
     pub fn iter(&self) -> impl Iterator<Item = (&Lane, &Signal)> {

@@ -9,10 +9,10 @@ use crate::roadside_unit::{RoadsideUnit, Signals};
 use crate::unit_clock::UnitClock;
 use its::EncodeError;
 use messages::{
-    Curves, EgoTruth, Header, MAX_CURVE_CELLS, Map, Origins, Preview, RadioFrames, ServiceState,
-    SignalTruth, Spat,
+    Curves, EgoTruth, Header, Lights, MAX_CURVE_CELLS, Map, Origins, Preview, RadioFrames,
+    ServiceState, SignalTruth, Spat,
 };
-use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError};
+use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError, Subscriber};
 use scenario::{Problem, Scenario};
 
 /// Runs the roadside unit in its group, to the end of the run.
@@ -27,6 +27,11 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut truth = runtime.publisher::<SignalTruth>()?;
     let mut preview = Previews::open(&mut runtime, &scenario)?;
     let mut bends = Bends::open(&mut runtime, &scenario)?;
+    // Another simulator has the lights.
+    let mut lights = match scenario.traffic.route.is_some() {
+        true => Some(runtime.subscriber::<Lights>()?),
+        false => None,
+    };
     runtime.begin(&scenario)?;
     voice.begin(&runtime);
     runtime.run_cycles(|runtime| {
@@ -36,18 +41,30 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let header = Header::new(release.step, release.scheduled_ns, Origins::NONE);
         let time_ns = release.scheduled_ns.unsigned_abs();
 
+        if let Some(lights) = &mut lights {
+            // Perception, which sends the lights, waits for the curves of this step.
+            if let Some(bends) = &mut bends {
+                bends.send(header, ego_m)?;
+            }
+            runtime.update(lights)?;
+        }
+        let newest = lights.as_ref().and_then(Subscriber::newest);
+
         // The referee's copy goes first: the plant may wait for it.
-        let shown = voice.truth(&unit, time_ns, ego_m);
+        let shown = match newest {
+            Some(lights) => Signals::of(lights, ego_m, f64::INFINITY),
+            None => voice.truth(&unit, time_ns, ego_m),
+        };
         truth.send_with(|message| {
             message.header = header;
             (message.lanes, message.signals, message.count) =
                 (shown.lanes, shown.signals, shown.count);
         })?;
-        voice.send(runtime, header, &unit, ego_m)?;
+        voice.send(runtime, header, (&unit, newest), ego_m)?;
         if let Some(preview) = &mut preview {
             preview.send(header, ego_m)?;
         }
-        if let Some(bends) = &mut bends {
+        if let Some(bends) = bends.as_mut().filter(|_| lights.is_none()) {
             bends.send(header, ego_m)?;
         }
 
@@ -113,13 +130,16 @@ impl Voice {
         &mut self,
         runtime: &mut Runtime,
         header: Header,
-        unit: &RoadsideUnit,
+        (unit, lights): (&RoadsideUnit, Option<&Lights>),
         ego_m: f64,
     ) -> Result<(), RuntimeError> {
         let time_ns = header.acquisition_ns.unsigned_abs();
         match self {
             Self::Structs { spat, map } => {
-                let received = unit.received(time_ns, ego_m);
+                let received = match lights {
+                    Some(lights) => unit.received_of(lights, ego_m),
+                    None => unit.received(time_ns, ego_m),
+                };
                 map.send_with(|message| {
                     message.header = header;
                     (message.lanes, message.count) = (received.lanes, received.count);
@@ -130,7 +150,7 @@ impl Voice {
                 })?;
                 Ok(())
             }
-            Self::Frames(radio) => radio.send(header, time_ns, ego_m),
+            Self::Frames(radio) => radio.send(header, time_ns, ego_m, lights),
             Self::Link(link) => link.exchange(runtime, header),
         }
     }
@@ -161,8 +181,17 @@ impl Radio {
         })
     }
 
-    fn send(&mut self, header: Header, time_ns: u64, ego_m: f64) -> Result<(), RuntimeError> {
-        let sent = self.units.at(time_ns, self.utc_start_ns, Some(ego_m));
+    fn send(
+        &mut self,
+        header: Header,
+        time_ns: u64,
+        ego_m: f64,
+        lights: Option<&Lights>,
+    ) -> Result<(), RuntimeError> {
+        let sent = match lights {
+            Some(lights) => self.units.at_lights(time_ns, self.utc_start_ns, ego_m, lights),
+            None => self.units.at(time_ns, self.utc_start_ns, Some(ego_m)),
+        };
         let refused = |error: EncodeError| {
             let expected = "what SPATEM and MAPEM have room for";
             RuntimeError::from(Problem::new("v2x.signals", error.to_string(), expected))

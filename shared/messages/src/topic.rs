@@ -165,6 +165,8 @@ topics! { $
     21 MoreVehicles "truth/more_vehicles" Truth, [PerceptionSim] to [Plant];
     /// Sent with the latter on a road with a plan.
     22 MorePoses "truth/more_poses" Truth, [PerceptionSim] to [Plant];
+    /// Sent where SUMO has the traffic and the lights.
+    23 Lights "truth/lights" Truth, [PerceptionSim] to [V2xSim];
 }
 
 impl Topic {
@@ -297,6 +299,7 @@ mod tests {
             "v2x/curves",
             "truth/more_vehicles",
             "truth/more_poses",
+            "truth/lights",
         ];
         // A later topic gets the next number.
         assert!(topics.into_iter().map(|(number, _)| number).eq(0..TOPICS.len() as u32));

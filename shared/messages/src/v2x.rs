@@ -136,6 +136,21 @@ layout! {
 }
 
 layout! {
+    /// Lights as another simulator shows them, the referee's among them: not limited by radio range.
+    #[type_name("timegap_msgs/msg/Lights")]
+    pub struct Lights {
+        /// Common header.
+        pub header: Header,
+        /// Valid entries of `lanes` and `signals`, which belong together by index.
+        pub count: u64,
+        /// Stop lines.
+        pub lanes: [Lane; MAX_LANES],
+        /// Their signals.
+        pub signals: [Signal; MAX_SIGNALS],
+    }
+}
+
+layout! {
     /// All signals as they really are: the referee's copy, not limited by radio range.
     #[type_name("timegap_msgs/msg/SignalTruth")]
     pub struct SignalTruth {

@@ -60,7 +60,7 @@ pub use life::process::{NAME_PREFIX, PREPARED, PREPARED_PREFIX, log_warnings, ru
 pub use machine::background::{BackgroundWorker, WorkerReport};
 pub use machine::program::{Program, ProgramError, command_line, executable};
 pub use machine::scheduling;
-pub use machine::spawn::{die_with_this_thread, inherit_only};
+pub use machine::spawn::{OwnNetwork, die_with_this_thread, inherit_only};
 pub use machine::usage::Usage;
 pub use ports::members::{enroll, enroll_listener};
 pub use ports::{Observed, Observer, Played, Player, Publisher, Subscriber, Tap, Tapped};

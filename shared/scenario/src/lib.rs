@@ -57,7 +57,9 @@ pub use reading::{
 pub use roads::{grade, plan, road};
 pub use signals::{carrier, preview, radio, v2x};
 pub use toml::{Table, Value};
-pub use traffic::{actor, cycle, event, recorded, speeds, storyboard, translation};
+pub use traffic::{
+    actor, cycle, event, recorded, speeds, storyboard, sumo as sumo_traffic, translation,
+};
 
 use serde::de::DeserializeOwned;
 
@@ -79,6 +81,7 @@ use runtime::Runtime;
 use scenario_derive::tables;
 use schema::{Key, Shape};
 use storyboard::Storyboard;
+use sumo_traffic::Traffic;
 use supervision::Supervision;
 use v2x::V2x;
 
@@ -127,6 +130,9 @@ tables! {
         pub supervision: Supervision = default,
         /// Requirements on a completed run.
         pub require: Require = default,
+        /// SUMO as the traffic around the ego.
+        #[sparse]
+        pub traffic: Traffic = default,
         /// The other vehicles.
         pub actors: Vec<Actor> = default,
         /// Faults.

@@ -77,6 +77,13 @@ impl Opening {
         let choices = Choices { assigned, headings, ego };
         let file = if is_openscenario(name) {
             File::OpenScenario(name.into(), choices)
+        } else if Path::new(name).extension().is_some_and(|extension| extension == "sumocfg") {
+            let Some(ego) = &choices.ego else {
+                let expected =
+                    "--ego ROUTE (a route, vehicle, trip or flow), or --ego from=EDGE,to=EDGE";
+                return Err(UsageError::at(name, "no way for the ego", expected).into());
+            };
+            File::Own(Box::new(Source::of_sumo(Path::new(name), ego)))
         } else {
             let is_none = format_args!("{name} is not an OpenSCENARIO file");
             let refuse = |option, value, expected| {

@@ -5,7 +5,10 @@ use crate::law::Input;
 use messages::{Course, Curves, LateralMotion, MAX_CURVE_CELLS, Origin};
 use runtime::{Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
+use scenario::sumo_traffic::SumoRoute;
 
+/// Time by which the cap precedes a speed limit, s: as before curves, since laws follow a falling set speed late.
+const LEAD_S: f64 = 2.0;
 /// Periods of the radar after which a course is of no use.
 const STALE_PERIODS: f64 = 4.0;
 
@@ -17,6 +20,8 @@ pub(super) struct CurveTopics {
     stale_s: f64,
     own: OwnWay,
     speed: CurveSpeed,
+    /// Speed limits along the road, and the braking before them, m/s².
+    limits: Option<(SumoRoute, f64)>,
 }
 
 impl CurveTopics {
@@ -42,6 +47,7 @@ impl CurveTopics {
                 + f64::from(scenario.perception.radar.latency_ms.value()) / 1e3,
             own: OwnWay::default(),
             speed: CurveSpeed::new(settings),
+            limits: scenario.traffic.route.clone().map(|route| (route, settings.braking_mps2)),
         }))
     }
 
@@ -59,6 +65,11 @@ impl CurveTopics {
 
     /// Caps the set speed of `input`. `requested_mps2` is what the last command asked for.
     pub(super) fn cap(&mut self, input: &mut Input, requested_mps2: f64) {
+        if let Some((SumoRoute(route), braking_mps2)) = &self.limits {
+            let (place_m, lead_m) = (input.ego.position_m, LEAD_S * input.ego.speed_mps.max(0.0));
+            let allowed_mps = route.allowed_mps(place_m, *braking_mps2, lead_m);
+            input.set_speed_mps = input.set_speed_mps.min(allowed_mps);
+        }
         let own_perm = self.lateral.newest().and_then(|sample| {
             self.own.take(sample.yaw_rate_radps, input.ego.speed_mps, input.period_s)
         });

@@ -141,7 +141,10 @@ fn standing(ego: &PlaneEgo, heading: (f64, f64), road: &Axis, vehicle: &Vehicle)
     }
     let half_m = 0.5 * vehicle.length_m;
     let (rear_m, lateral_m) = (vehicle.rear_position_m, vehicle.lateral_m);
-    let middle = road.frame(rear_m + half_m, lateral_m);
+    let middle = road.frame(rear_m + vehicle.half_along_m(), lateral_m);
+    if vehicle.turned_rad != 0.0 {
+        return turned(ego, place(&ego.pose, heading, &middle), vehicle);
+    }
     let Place { at_m: (x, y), cosine, sine, curvature_perm } = place(&ego.pose, heading, &middle);
     let yaw_rate_radps = curvature_perm * vehicle.speed_mps / (1.0 - curvature_perm * lateral_m);
     // On a straight the rear is on the axis itself, to the last bit.
@@ -161,6 +164,26 @@ fn standing(ego: &PlaneEgo, heading: (f64, f64), road: &Axis, vehicle: &Vehicle)
         velocity_mps: (
             vehicle.speed_mps * cosine - across_mps * sine - ego.velocity_mps.0,
             vehicle.speed_mps * sine + across_mps * cosine - ego.velocity_mps.1,
+        ),
+    }
+}
+
+/// A body at an angle to the axis; `place` is its middle.
+fn turned(ego: &PlaneEgo, place: Place, vehicle: &Vehicle) -> Standing {
+    let half_m = 0.5 * vehicle.length_m;
+    let (along_mps, across_mps) = (vehicle.speed_mps, vehicle.lateral_speed_mps);
+    let (turned_sine, turned_cosine) = libm::sincos(vehicle.turned_rad);
+    let cosine = place.cosine * turned_cosine - place.sine * turned_sine;
+    let sine = place.sine * turned_cosine + place.cosine * turned_sine;
+    let (x, y) = place.at_m;
+    Standing {
+        rear_m: (x - half_m * cosine, y - half_m * sine),
+        cosine,
+        sine,
+        yaw_rate_radps: 0.0,
+        velocity_mps: (
+            along_mps * place.cosine - across_mps * place.sine - ego.velocity_mps.0,
+            along_mps * place.sine + across_mps * place.cosine - ego.velocity_mps.1,
         ),
     }
 }

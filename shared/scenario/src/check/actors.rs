@@ -32,7 +32,8 @@ pub(super) fn actors(actors: &[Actor]) -> Result<(), Problem> {
 fn profile(actor: &Actor, i: usize) -> Result<(), Problem> {
     let key = format!("actors.{i}.profile");
     match &actor.profile {
-        Profile::Constant | Profile::Sine(_) | Profile::Storyboard | Profile::Cycle(_) => {}
+        Profile::Constant | Profile::Sine(_) | Profile::Storyboard => {}
+        Profile::Sumo | Profile::Cycle(_) => {}
         Profile::Steps(steps) => increasing(&format!("{key}.steps"), steps, |step| step.time_s)?,
         Profile::Piecewise(pieces) => {
             increasing(&format!("{key}.piecewise"), pieces, |piece| piece.time_s)?;

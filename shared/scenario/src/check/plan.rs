@@ -24,6 +24,7 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Problem> {
         ("road.plan.pieces", !plan.pieces.is_empty()),
         ("road.plan.generated", plan.generated.is_some()),
         ("road.plan.opendrive", plan.opendrive.is_some()),
+        ("traffic.sumo", plan.route.is_some()),
     ];
     refuse!(if sources.iter().all(|(_, given)| !given),
         "road.plan": "this plan has no road", "`pieces`, `generated` or `opendrive`");
@@ -120,7 +121,9 @@ fn heights(scenario: &Scenario, length_m: f64) -> Result<(), Problem> {
 
 /// The on-board unit takes its approach to an intersection for a straight line.
 fn frames(scenario: &Scenario, axis: &road::Axis) -> Result<(), Problem> {
-    let Some(last) = scenario.v2x.signals.last().filter(|_| scenario.has_obu()) else {
+    // Maps of a net have the lanes along its curves.
+    let is_straight = scenario.has_obu() && scenario.traffic.route.is_none();
+    let Some(last) = scenario.v2x.signals.last().filter(|_| is_straight) else {
         return Ok(());
     };
     let last_m = last.stop_line_m.value();

@@ -23,6 +23,13 @@ macro_rules! per_service {
                     $(Service::$service => &self.$krate,)+
                 }
             }
+
+            /// Sets the value for `service`.
+            pub fn set(&mut self, service: Service, value: T) {
+                match service {
+                    $(Service::$service => self.$krate = value,)+
+                }
+            }
         }
 
         impl<T: Schema + Serialize + Default> Schema for PerService<T> {

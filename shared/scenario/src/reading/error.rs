@@ -40,6 +40,13 @@ impl ScenarioError {
         Self { message: message.into(), expected: None, source: source.to_owned(), mark: None }
     }
 
+    /// An error of another format's reader, which names the place itself.
+    pub(crate) fn whole_of(error: &impl fmt::Display) -> Self {
+        let text = error.to_string();
+        let (source, message) = text.split_once(": ").unwrap_or(("", &text));
+        Self::whole(source, message)
+    }
+
     /// An error at a byte range of a file's text.
     pub(crate) fn at(source: &str, text: &str, span: Range<usize>, message: &str) -> Self {
         let start = floor_char_boundary(text, span.start);

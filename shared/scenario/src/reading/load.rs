@@ -39,6 +39,11 @@ pub(super) fn load(
         *points = road::points_of(&profile);
     }
     notes.extend(load_plan(scenario, document, own)?);
+    let file = scenario.traffic.sumo.as_ref().and_then(|file| {
+        let is_set = ["sumo", "ego"].iter().any(|key| document.is_set(&format!("traffic.{key}")));
+        to_read(file, own, is_set, scenario.traffic.route.is_none())
+    });
+    notes.extend(crate::sumo_traffic::load(scenario, document, file.as_deref())?);
     Ok(notes)
 }
 

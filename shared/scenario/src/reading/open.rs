@@ -243,6 +243,24 @@ impl Source {
         Ok(Self { name, text, root, directory })
     }
 
+    /// A drive of the ego through a configuration of SUMO.
+    #[must_use]
+    pub fn of_sumo(path: &Path, ego: &str) -> Self {
+        let name =
+            crate::translation::word(path.file_stem().and_then(|stem| stem.to_str()), "sumo");
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let value = |text: String| Value::String(text);
+        let traffic = [("sumo", value(file)), ("ego", value(ego.to_owned()))];
+        let traffic = traffic.map(|(key, value)| (key.to_owned(), value));
+        let root = Table::from_iter([
+            ("schema_version".to_owned(), Value::Integer(SCHEMA_VERSION.into())),
+            ("name".to_owned(), value(name)),
+            ("traffic".to_owned(), Value::Table(Table::from_iter(traffic))),
+        ]);
+        let directory = Some(path.parent().unwrap_or(path).to_owned());
+        Self { name: path.display().to_string(), text: root.to_string(), root, directory }
+    }
+
     /// The scenario with `overrides` laid over the file. `check` is asked last, for conditions that only the control
     /// laws have.
     ///

@@ -132,7 +132,10 @@ pub(crate) fn one_source(is_written: impl Fn(&str) -> bool) -> Result<(), Proble
 }
 
 /// Checks that a thing has one source at most.
-pub(crate) fn one_of(thing: &str, sources: [(&str, bool); 3]) -> Result<(), Problem> {
+pub(crate) fn one_of<const N: usize>(
+    thing: &str,
+    sources: [(&str, bool); N],
+) -> Result<(), Problem> {
     let mut given = sources.into_iter().filter(|(_, is_given)| *is_given);
     let (Some((first, _)), Some((second, _))) = (given.next(), given.next()) else { return Ok(()) };
     refuse!("{second}": "the {thing} is given twice, by {first} and {second}",

@@ -65,6 +65,8 @@ tables! {
         Csv(CsvFile),
         /// As the scenario's storyboard says: the n-th such actor is the n-th entity that it moves.
         Storyboard,
+        /// As SUMO moves it: a place for one of the vehicles around the ego.
+        Sumo,
         /// The speeds of a standard drive cycle.
         Cycle(Cycle),
     }
@@ -127,7 +129,8 @@ impl Profile {
             | Self::Steps(_)
             | Self::Sine(_)
             | Self::Piecewise(_)
-            | Self::Storyboard => None,
+            | Self::Storyboard
+            | Self::Sumo => None,
         }
     }
 }

@@ -6,6 +6,7 @@ pub mod event;
 pub mod recorded;
 pub mod speeds;
 pub mod storyboard;
+pub mod sumo;
 pub mod translation;
 
 mod start_notices;

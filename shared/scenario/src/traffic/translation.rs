@@ -262,7 +262,7 @@ fn place_of_actor(script: &Script, world: &World, index: usize, way: Option<&Way
 }
 
 /// A text as a scenario's name: its letters, digits, `-` and `_`.
-fn word(text: Option<&str>, otherwise: &str) -> String {
+pub(crate) fn word(text: Option<&str>, otherwise: &str) -> String {
     let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     let word: String =
         text.unwrap_or_default().chars().map(|c| if good(c) { c } else { '-' }).take(64).collect();

@@ -40,7 +40,8 @@ pub struct ScenarioOptions {
     /// in esmini
     #[arg(long, value_enum, default_value_t, value_name = "DIRECTION")]
     pub lane_headings: HeadingsName,
-    /// The ego of an OpenSCENARIO file [default: `Ego`, `hero`, or the only entity with a controller]
+    /// The ego of an OpenSCENARIO file [default: `Ego`, `hero`, or the only entity with a controller]; in SUMO a route,
+    /// vehicle, trip, flow, or from=EDGE,to=EDGE
     #[arg(long, value_name = "NAME")]
     pub ego: Option<String>,
     /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.

@@ -42,6 +42,9 @@ pub struct Plan {
     /// A lane of an OpenDRIVE file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opendrive: Option<OpendriveRoad>,
+    /// The ego's route in a net of SUMO: `[traffic]` fills it.
+    #[serde(skip)]
+    pub(crate) route: Option<sumo::Route>,
     /// Place and heading of the road's beginning in the plane.
     #[serde(skip_serializing_if = "crate::schema::is_default")]
     pub start: Start,
@@ -58,6 +61,7 @@ impl PartialEq for Plan {
         self.pieces == other.pieces
             && self.generated == other.generated
             && self.opendrive == other.opendrive
+            && self.route == other.route
             && self.start == other.start
             && self.lanes == other.lanes
     }
@@ -200,6 +204,12 @@ impl Plan {
     pub(crate) fn built(&self) -> Result<road::Axis, Problem> {
         if let Some(opendrive) = &self.opendrive {
             return opendrive.axis();
+        }
+        if let Some(route) = &self.route {
+            let refuse = |error: road::AxisError| {
+                Problem::new("traffic.sumo", error.to_string(), error.expected())
+            };
+            return route.axis().map(|(axis, _)| axis).map_err(refuse);
         }
         road::Axis::new(&self.geometry()?).map_err(|error| {
             let path = match self.pieces.is_empty() {
