@@ -45,6 +45,18 @@ pub fn dds_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
     FOUND.get_or_init(|| prepare(&directory.join("dds-venv"), &DDS_PACKAGES)).clone()
 }
 
+/// SUMO, and nothing beside it.
+const SUMO_PACKAGES: [&str; 1] = ["eclipse-sumo==1.28.0"];
+
+/// The interpreter of a virtual environment below `directory` with SUMO beside it, created at the first call.
+///
+/// # Errors
+/// The reason: no Python, no pip or no network.
+pub fn sumo_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
+    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
+    FOUND.get_or_init(|| prepare(&directory.join("sumo-venv"), &SUMO_PACKAGES)).clone()
+}
+
 /// The interpreter of a virtual environment below `directory` that runs notebooks, created at the first call.
 ///
 /// # Errors

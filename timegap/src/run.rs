@@ -140,6 +140,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     for (service, line) in &group.wrote {
         print::note(&format!("{service}: {line}"));
     }
+    let is_by_sumo = group.wrote.iter().any(|(_, line)| line.contains("SUMO: "));
     let delivered = arguments.results.deliver(&document, &output);
     // A closed terminal interrupts the run and accepts no more text.
     if group.ended != Ended::Interrupted {
@@ -148,7 +149,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     Ok(match (&group.ended, summary.outcome) {
         (Ended::Interrupted, _) => ExitCode::from(130),
         // The program beside the run is a part of the machine.
-        (Ended::Broken { how, .. }, _) if how.contains("SUMO: ") => ExitCode::from(3),
+        (Ended::Broken { .. }, _) if is_by_sumo => ExitCode::from(3),
         (_, Outcome::Completed) => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
     })

@@ -2,7 +2,7 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::ProgramError;
 use crate::process::Process;
@@ -69,6 +69,8 @@ pub struct Client {
     /// Commands that were sent: their names.
     sent: Vec<&'static str>,
     out: Vec<u8>,
+    /// When the step was begun.
+    begun: Instant,
 }
 
 type Done<T> = Result<T, ProgramError>;
@@ -76,7 +78,8 @@ type Done<T> = Result<T, ProgramError>;
 impl Client {
     /// Greets SUMO on a connection, and checks its version.
     pub fn open((process, stream): (Process, TcpStream), deadline_s: f64) -> Done<Self> {
-        let mut this = Self { process, stream, deadline_s, sent: Vec::new(), out: Vec::new() };
+        let (sent, out, begun) = (Vec::new(), Vec::new(), Instant::now());
+        let mut this = Self { process, stream, deadline_s, sent, out, begun };
         let timeout = Some(Duration::from_secs_f64(deadline_s));
         let set = this.stream.set_nodelay(true);
         let set = set.and_then(|()| this.stream.set_read_timeout(timeout));
@@ -119,6 +122,8 @@ impl Client {
     fn failed(&mut self, error: &std::io::Error, when: &str) -> ProgramError {
         match error.kind() {
             ErrorKind::WouldBlock | ErrorKind::TimedOut => {
+                // Nothing waits for the goodbye of a process that hangs.
+                self.process.kill();
                 ProgramError::Silent { when: when.to_owned(), waited_s: self.deadline_s }
             }
             _ => self.process.ended(when),
@@ -263,7 +268,24 @@ impl Client {
         let place = place.typed_number(angle_deg).byte(0x08).byte(1);
         self.put(SET_VEHICLE, "placing the ego", &place);
         self.put(0x02, "a step", &Body::default().number(0.0));
+        self.begun = Instant::now();
         self.send("during the run")
+    }
+
+    /// True if the answer of the step that was begun has come.
+    pub fn has_answered(&mut self) -> Done<bool> {
+        let when = "during the run";
+        let peeked = self.stream.set_nonblocking(true).and_then(|()| self.stream.peek(&mut [0; 4]));
+        let blocks = self.stream.set_nonblocking(false);
+        match peeked.and_then(|count| blocks.map(|()| count)) {
+            Ok(0) => Err(self.process.ended(when)),
+            Ok(_) => Ok(true),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                let is_late = self.begun.elapsed().as_secs_f64() > self.deadline_s;
+                if is_late { Err(self.failed(&error, when)) } else { Ok(false) }
+            }
+            Err(error) => Err(self.failed(&error, when)),
+        }
     }
 
     /// The outcome of the step that was begun.
@@ -308,7 +330,9 @@ impl Client {
                         (0x28, _) => state.phase = value.number().max(0.0) as usize,
                         (0x38, _) => state.spent_s = value.number(),
                         _ => {
-                            return Err(ProgramError::Nonsense("a variable that was not asked for"));
+                            return Err(ProgramError::Nonsense(
+                                "a variable that was not asked for",
+                            ));
                         }
                     }
                 }

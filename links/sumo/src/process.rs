@@ -139,6 +139,10 @@ impl Process {
         ProgramError::Ended { when: when.to_owned(), words }
     }
 
+    pub fn kill(&mut self) {
+        let _ = self.child.kill();
+    }
+
     /// Waits for its end, which the closed connection brings, and kills it otherwise.
     pub fn end(&mut self) {
         let begun = Instant::now();

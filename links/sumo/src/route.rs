@@ -19,6 +19,11 @@ const BEHIND_M: f64 = 0.1;
 const BEFORE_END_M: f64 = 5.0;
 /// Share of a curve's radius up to which lanes reach inwards.
 const INNER_SHARE: f64 = 0.8;
+/// Length of a cell of the limits, m, and the places in it whose curvature is looked at.
+const CELL_M: f64 = 5.0;
+const CELL_SAMPLES: u32 = 10;
+/// Lateral acceleration in a curve, m/s²: below the 2.3 m/s² that passengers accept, for a law that is late.
+const LATERAL_MPS2: f64 = 1.8;
 /// Least way between two stop lines, m.
 const APART_M: f64 = 0.1;
 
@@ -147,6 +152,7 @@ pub fn read_route(file: &File, ego: &str, length_m: f64) -> Result<Route, ReadEr
             limits.push(Limit { from_m, speed_mps });
         }
     }
+    let limits = with_curves(&limits, &whole, depart_m, end_m);
     Ok(Route {
         edges,
         lane: path.first_lane,
@@ -176,6 +182,32 @@ fn cut(pieces: &[Piece], axis: &Axis, from_m: f64, to_m: f64) -> (Vec<Piece>, Po
         passed_m = end_m;
     }
     (kept, axis.pose(from_m))
+}
+
+/// The limits, lowered where a curve is passed slower. The map of curves has cells of 25 m, and turns inside of junctions are
+/// shorter.
+fn with_curves(limits: &[Limit], axis: &Axis, depart_m: f64, end_m: f64) -> Vec<Limit> {
+    let mut all: Vec<Limit> = Vec::new();
+    let cells = libm::ceil((end_m - depart_m) / CELL_M) as u32;
+    for cell in 0..cells {
+        let from_m = f64::from(cell) * CELL_M;
+        let legal = |limit: &&Limit| limit.from_m < from_m + CELL_M;
+        let last = limits.iter().take_while(legal).last();
+        let begun = limits.iter().take_while(|limit| limit.from_m <= from_m).last();
+        let legal_mps = [last, begun].into_iter().flatten().map(|limit| limit.speed_mps);
+        let legal_mps = legal_mps.fold(f64::INFINITY, f64::min);
+        let samples =
+            (0..CELL_SAMPLES).map(|k| from_m + CELL_M * f64::from(k) / f64::from(CELL_SAMPLES));
+        let sharpest =
+            samples.map(|p_m| axis.curvature_perm(p_m + depart_m).abs()).fold(0.0, f64::max);
+        let curve_mps = (LATERAL_MPS2 / sharpest.max(1e-9)).sqrt();
+        let speed_mps =
+            if curve_mps < legal_mps { (10.0 * curve_mps).floor() / 10.0 } else { legal_mps };
+        if all.last().is_none_or(|last| last.speed_mps != speed_mps) {
+            all.push(Limit { from_m, speed_mps });
+        }
+    }
+    all
 }
 
 /// Lines of the lanes along the route. In a narrow turn they stay on this side of its centre.

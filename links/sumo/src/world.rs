@@ -7,8 +7,8 @@
 //! bodies            ├ extrapolated ┤
 //! ```
 //!
-//! In simulated time a step waits for its answer. In realtime the answer is taken at the next call, so that no cycle
-//! waits for SUMO.
+//! In simulated time a step waits for its answer. In realtime the answer is taken when it has come, so that no cycle waits
+//! for SUMO: the vehicles go on from the last one meanwhile.
 
 use std::path::PathBuf;
 
@@ -115,7 +115,7 @@ pub struct World {
     waits: bool,
     /// A step was begun, and its answer not taken.
     is_open: bool,
-    /// Time of the newest answer, and of the next step, ns of the run.
+    /// Time of the step of the newest answer, and of the next step, ns of the run.
     known_ns: u64,
     next_ns: u64,
     /// Time by which SUMO's clock is ahead of the run's, s.
@@ -212,24 +212,22 @@ impl World {
     /// [`ProgramError`] if SUMO ends, does not answer in time, or refuses the ego's place.
     pub fn advance(&mut self, time_ns: u64, ego: &Ego) -> Result<(), ProgramError> {
         self.place_m = ego.place_m;
-        if self.is_open {
+        if self.is_open && self.client.has_answered()? {
             self.take()?;
         }
-        while self.next_ns <= time_ns {
+        while self.next_ns <= time_ns && !self.is_open {
             let back_m = ego.speed_mps * seconds(time_ns - self.next_ns);
             let (x_m, y_m) = ego.pose.to_world(-back_m, 0.0);
             let placed = Pose { x_m, y_m, ..ego.pose }.placed(&self.route.start);
             let angle_deg = (90.0 - placed.heading_rad.to_degrees()).rem_euclid(360.0);
             self.client.begin_step(&self.ego, [placed.x_m, placed.y_m], angle_deg)?;
-            (self.is_open, self.known_ns) = (true, self.next_ns);
+            self.is_open = true;
             self.next_ns += STEP_NS;
-            if self.waits || self.next_ns <= time_ns {
+            if self.waits {
                 self.take()?;
             }
         }
-        let known_ns =
-            if self.is_open { self.known_ns.saturating_sub(STEP_NS) } else { self.known_ns };
-        let age_s = seconds(time_ns.saturating_sub(known_ns));
+        let age_s = seconds(time_ns.saturating_sub(self.known_ns));
         for (body, (_, known)) in self.bodies.iter_mut().zip(&self.slots) {
             *body = known.after(age_s);
         }
@@ -255,7 +253,7 @@ impl World {
 
     /// Takes the answer of a step.
     fn take(&mut self) -> Result<(), ProgramError> {
-        self.is_open = false;
+        (self.is_open, self.known_ns) = (false, self.next_ns - STEP_NS);
         let step = self.client.end_step()?;
         if let Some(words) = step.refusal
             && self.place_m < self.length_m - NEAR_END_M

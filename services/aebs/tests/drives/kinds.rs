@@ -76,6 +76,7 @@ impl Actor {
             length_m: self.length_m,
             width_m: self.width_m,
             touches_within_m: 0.5 * (self.width_m + 1.8),
+            turned_rad: 0.0,
         }
     }
 }

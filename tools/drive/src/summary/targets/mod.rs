@@ -186,7 +186,8 @@ fn judge_scene(
     let lead =
         ahead.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(vehicle, gap_m)| Lead { vehicle, gap_m });
     let owned = match owner {
-        Some(Owner::Vehicle(vehicle)) => Some(&scene.bodies[vehicle]),
+        // The list is shorter where a vehicle of SUMO went out of reach.
+        Some(Owner::Vehicle(vehicle)) => scene.bodies.get(vehicle),
         Some(Owner::Nothing) | None => None,
     };
     let matters = lead.filter(|lead| lead.gap_m <= REACH_M).map(|lead| lead.gap_m);

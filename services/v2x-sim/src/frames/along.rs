@@ -1,0 +1,107 @@
+//! Maps along the ego's way through a net, and the timing of another simulator's lights.
+
+use super::{EXITS, Now, Site, earth_node, timed};
+use crate::numbers::NUMBERS;
+use its::geodesy::Plane;
+use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, Lane, Mapem, RIGHT, STRAIGHT};
+use its::spatem::MovementEvent;
+use messages::{Lights, MAX_INTERVALS, PhaseState};
+use road::Axis;
+use scenario::v2x::Phase;
+
+/// Distance between the nodes of a lane along a curve, m.
+const NODE_M: f64 = 10.0;
+/// Turn from which a way through an intersection is a turn, rad.
+const TURN_RAD: f64 = 0.5;
+impl Site {
+    /// The ego's lanes along its way through a net, with the nodes of their curves.
+    pub(super) fn mapem_along(
+        &self,
+        axis: &Axis,
+        station_id: u32,
+        now: &Now,
+        plane: &Plane,
+    ) -> Mapem {
+        let point = |p_m: f64| {
+            let pose = axis.pose(p_m);
+            (pose.x_m, pose.y_m)
+        };
+        let reference = point(self.middle_m());
+        let count = (NUMBERS.lane_m / NODE_M) as i32;
+        let nodes = |from_m: f64, step_m: f64| {
+            let mut last = reference;
+            let node = |index: i32| {
+                let (x_m, y_m) = point(from_m + f64::from(index) * step_m);
+                let to_cm = |to_m: f64| (100.0 * to_m).round() as i16;
+                let cm = (to_cm(x_m - last.0), to_cm(y_m - last.1));
+                // What rounding left is made up for by the next node.
+                last = (last.0 + f64::from(cm.0) / 100.0, last.1 + f64::from(cm.1) / 100.0);
+                earth_node(plane, cm.0, cm.1)
+            };
+            (0..=count).map(node).collect::<Vec<_>>()
+        };
+        let mut lanes = Vec::new();
+        for ((signal_group, stop_line_m, _), n) in self.signals.iter().zip(0_u8..) {
+            let exit_m = stop_line_m + 2.0 * NUMBERS.to_middle_m;
+            let turn_rad = axis.heading_rad(exit_m) - axis.heading_rad(stop_line_m - NODE_M);
+            let maneuver = match turn_rad {
+                left if left > TURN_RAD => LEFT,
+                right if right < -TURN_RAD => RIGHT,
+                _ => STRAIGHT,
+            };
+            lanes.push(Lane {
+                id: 1 + n,
+                approach: Approach::Ingress(1),
+                maneuvers: maneuver,
+                nodes: nodes(*stop_line_m, -NODE_M),
+                connections: vec![Connection {
+                    lane: EXITS + n,
+                    maneuver: Some(maneuver),
+                    signal_group: Some(*signal_group),
+                }],
+            });
+            lanes.push(Lane {
+                id: EXITS + n,
+                approach: Approach::Egress(2),
+                maneuvers: 0,
+                nodes: nodes(exit_m, NODE_M),
+                connections: Vec::new(),
+            });
+        }
+        let geometry = IntersectionGeometry {
+            region: None,
+            id: self.intersection,
+            revision: now.revision,
+            reference: plane.position(reference.0, reference.1),
+            lane_width_cm: Some((100.0 * NUMBERS.lane_width_m) as u16),
+            lanes,
+            unread_lanes: 0,
+        };
+        Mapem { station_id, revision: now.revision, intersections: vec![geometry] }
+    }
+}
+
+/// The intervals of a signal of another simulator.
+pub(super) fn shown(lights: &Lights, id: (u16, u8), now: &Now) -> Vec<MovementEvent> {
+    let count = usize::try_from(lights.count).map_or(0, |count| count.min(lights.signals.len()));
+    let is_it = |signal: &&messages::Signal| {
+        (signal.intersection_id, signal.signal_group) == (id.0.into(), id.1.into())
+    };
+    let found = lights.signals[..count].iter().find(is_it);
+    let intervals = found.map_or(&[][..], |signal| {
+        let count = usize::try_from(signal.count).map_or(0, |n| n.min(MAX_INTERVALS));
+        &signal.intervals[..count]
+    });
+    let event = |interval: &messages::Interval| {
+        let phase = match PhaseState::from_wire(interval.state) {
+            PhaseState::ProtectedMovementAllowed => Phase::Green,
+            PhaseState::ProtectedClearance => Phase::Yellow,
+            PhaseState::StopAndRemain | PhaseState::Unavailable => Phase::Red,
+        };
+        let utc_ms =
+            |end_s: f64| end_s.is_finite().then(|| now.of_run((end_s.max(0.0) * 1e9) as u64));
+        let ends_ms = [interval.min_end_s, interval.likely_end_s, interval.max_end_s].map(utc_ms);
+        timed(phase, ends_ms, interval.confidence as u8, now)
+    };
+    intervals.iter().map(event).collect()
+}

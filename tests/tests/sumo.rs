@@ -1,0 +1,218 @@
+//! SUMO's traffic around the ego: repeatable bytes, the lights, and the ends of a program that misbehaves.
+
+use serde_json::Value;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use system_tests::cases::{self, Needed, needing};
+use system_tests::{Corner, python, text, wait_for};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+const GRID: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/sumo/grid.sumocfg");
+
+fn always() -> Needed {
+    Ok(())
+}
+
+fn interpreter() -> Result<PathBuf, system_tests::missing::Missing> {
+    python::sumo_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+}
+
+fn pypi() -> Needed {
+    interpreter().map(|_| ())
+}
+
+/// A command that finds SUMO in the environment of the tests.
+fn with_sumo(corner: &Corner, arguments: &[&str]) -> Command {
+    let python = interpreter().expect("looked for");
+    let scripts = python.parent().expect("bin").to_owned();
+    let path = std::env::var("PATH").unwrap_or_default();
+    let mut command = corner.command(arguments);
+    command.env("PATH", format!("{}:{path}", scripts.display())).env_remove("SUMO_HOME");
+    command
+}
+
+/// Processes of SUMO that this test's configuration has.
+fn sumos(parent_words: &str) -> Vec<i32> {
+    let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
+    let is_ours = |pid: &i32| {
+        let line = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        let line = String::from_utf8_lossy(&line).replace('\0', " ");
+        line.contains("--remote-port") && line.contains(parent_words)
+    };
+    pids.filter(is_ours).collect()
+}
+
+/// A copy of the example, so that its processes are this test's.
+fn own_grid(corner: &Corner) -> String {
+    for file in ["grid.net.xml", "grid.rou.xml", "grid.sumocfg"] {
+        let from = Path::new(GRID).with_file_name(file);
+        std::fs::copy(from, corner.path().join(file)).expect("a file of the example");
+    }
+    corner.path().join("grid.sumocfg").display().to_string()
+}
+
+fn drive(corner: &Corner, more: &[&str]) -> Value {
+    let grid = own_grid(corner);
+    let usual =
+        ["run", &grid, "--ego", "through", "--mode", "lockstep", "--duration", "25", "--json"];
+    let mut command = with_sumo(corner, &[&usual[..], more].concat());
+    let output = command.output().expect("it starts");
+    assert!(output.status.success(), "{}", text(&output));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+fn digests(summary: &Value) -> Vec<(String, Value)> {
+    let messages = summary["messages"].as_object().expect("a table").iter();
+    messages.map(|(topic, one)| (topic.clone(), one["digests"].clone())).collect()
+}
+
+fn the_same_seed_gives_the_same_bytes_in_one_process_and_in_a_group() {
+    let corner = Corner::new(PROGRAM);
+    let begin = ["--set", "traffic.begin_s=30"];
+    let inside = ["--in-process", "--digests", "--out", "a"];
+    let first = drive(&corner, &[&begin[..], &inside].concat());
+    let group = drive(&corner, &[&begin[..], &["--out", "b", "--no-record"]].concat());
+    assert_eq!(digests(&first), digests(&group));
+    let other = drive(&corner, &[&begin[..], &inside[..3], &["c", "--seed", "2"]].concat());
+    assert_ne!(digests(&first), digests(&other), "another seed is other traffic");
+    assert!(first["messages"]["truth/lights"]["sent"].as_u64() > Some(400), "{first}");
+    assert_eq!(sumos(&corner.path().display().to_string()), []);
+}
+
+fn lights_come_as_frames_too() {
+    let corner = Corner::new(PROGRAM);
+    let frames = ["--in-process", "--out", "f", "--set", "v2x.radio=\"frames\""];
+    let summary = drive(&corner, &frames);
+    assert!(summary["radio"]["verdicts"]["accepted"].as_u64() > Some(100), "{}", summary["radio"]);
+}
+
+fn a_program_that_ends_or_hangs_is_one_line_and_leaves_nothing() {
+    let corner = Corner::new(PROGRAM);
+    let grid = own_grid(&corner);
+    let words = corner.path().display().to_string();
+    for (mode, signal) in [
+        (&["--mode", "lockstep", "--in-process"][..], "KILL"),
+        (&["--mode", "lockstep", "--in-process"][..], "STOP"),
+        (&["--mode", "realtime"][..], "KILL"),
+    ] {
+        let usual =
+            ["run", &grid, "--ego", "through", "--duration", "3000", "--out", "k", "--force"];
+        let deadline = ["--set", "traffic.deadline_s=1", "--set", "set_speed_mps=1"];
+        let child = with_sumo(&corner, &[&usual[..], mode, &deadline].concat()).spawn();
+        let child = child.expect("it starts");
+        assert!(wait_for(|| !sumos(&words).is_empty()), "SUMO runs");
+        // A drive of a while, so that it is in the middle of it.
+        assert!(wait_for(|| corner.path().join("k/scenario.toml").exists()), "it drives");
+        std::thread::sleep(std::time::Duration::from_millis(1500));
+        for pid in sumos(&words) {
+            let _ = Command::new("kill").args([format!("-{signal}"), pid.to_string()]).status();
+        }
+        let output = child.wait_with_output().expect("our child");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{mode:?} {signal}: {}", text(&output));
+        assert_eq!(said.matches("SUMO: ").count(), 1, "{said}");
+        assert!(wait_for(|| sumos(&words).is_empty()), "SUMO is gone");
+        corner.expect_nothing_left(&[]);
+    }
+}
+
+/// A killed launcher takes SUMO with it.
+fn a_killed_run_leaves_no_program() {
+    let corner = Corner::new(PROGRAM);
+    let grid = own_grid(&corner);
+    let words = corner.path().display().to_string();
+    for mode in [&["--mode", "lockstep", "--in-process"][..], &["--mode", "realtime"]] {
+        let usual =
+            ["run", &grid, "--ego", "through", "--duration", "3000", "--set", "set_speed_mps=1"];
+        let mut child =
+            with_sumo(&corner, &[&usual[..], mode].concat()).spawn().expect("it starts");
+        assert!(wait_for(|| !sumos(&words).is_empty()), "SUMO runs");
+        child.kill().expect("ours");
+        child.wait().expect("ours");
+        assert!(wait_for(|| sumos(&words).is_empty()), "{mode:?}: SUMO is gone");
+    }
+}
+
+fn files_and_programs_that_do_not_fit_are_one_line() {
+    let corner = Corner::new(PROGRAM);
+    let grid = own_grid(&corner);
+    let write = |name: &str, text: &str| {
+        std::fs::write(corner.path().join(name), text).expect("ours");
+    };
+    write("no-net.sumocfg", "<configuration><input/></configuration>");
+    write("not.sumocfg", "<routes/>");
+    write("gone.sumocfg", "<configuration><net-file value=\"gone.net.xml\"/></configuration>");
+    write(
+        "broken.net.xml",
+        "<net><edge id=\"a\"><lane id=\"a_0\" speed=\"x\" shape=\"0,0 9,0\"/></edge></net>",
+    );
+    write("broken.sumocfg", "<configuration><net-file value=\"broken.net.xml\"/></configuration>");
+    let tools = corner.path().join("tools");
+    std::fs::create_dir_all(&tools).expect("ours");
+    let script = tools.join("sumo");
+    std::fs::write(&script, "#!/bin/sh\necho 'Error: the net is bad.' >&2\nexit 1\n")
+        .expect("ours");
+    std::fs::set_permissions(&script, std::fs::Permissions::from_mode(0o755)).expect("ours");
+    let tools = tools.display().to_string();
+    let cases: [(&[&str], &str, i32, &str); 9] = [
+        (&[&grid], "", 2, "no way for the ego, expected --ego ROUTE"),
+        (
+            &[&grid, "--ego", "nix"],
+            "",
+            2,
+            "no route, vehicle, trip or flow `nix`, expected `through`",
+        ),
+        (
+            &[&grid, "--ego", "from=nix,to=A0A1"],
+            "",
+            2,
+            "the net has no edge `nix`, expected one of",
+        ),
+        (&["no-net.sumocfg", "--ego", "a"], "", 2, "no net file, expected <net-file"),
+        (
+            &["not.sumocfg", "--ego", "a"],
+            "",
+            2,
+            "not.sumocfg:1:1: the outermost element is `routes`",
+        ),
+        (&["gone.sumocfg", "--ego", "a"], "", 2, "gone.net.xml: cannot be opened"),
+        (&["broken.sumocfg", "--ego", "a"], "", 2, "broken.net.xml:1:19: speed=\"x\" of `lane`"),
+        (&[&grid, "--ego", "through"], "/nowhere", 3, "SUMO: there is no program `sumo`"),
+        (&[&grid, "--ego", "through"], &tools, 3, "SUMO: ended at its start: the net is bad."),
+    ];
+    for (arguments, path, status, what) in cases {
+        let all = [&["run", "--mode", "lockstep", "--in-process"], arguments].concat();
+        let mut command = corner.command(&all);
+        command.env("PATH", format!("{path}:/nowhere")).env_remove("SUMO_HOME");
+        let output = command.output().expect("it starts");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(status), "{arguments:?}: {}", text(&output));
+        assert!(said.contains(what) && said.lines().count() == 1, "{arguments:?}: {said}");
+        corner.expect_nothing_left(&[]);
+    }
+    assert!(!corner.path().join("runs").exists(), "nothing was kept");
+}
+
+fn main() -> ExitCode {
+    cases::run(&[
+        needing(
+            always,
+            "files_and_programs_that_do_not_fit",
+            files_and_programs_that_do_not_fit_are_one_line,
+        ),
+        needing(
+            pypi,
+            "the_same_seed",
+            the_same_seed_gives_the_same_bytes_in_one_process_and_in_a_group,
+        ),
+        needing(pypi, "lights_come_as_frames", lights_come_as_frames_too),
+        needing(
+            pypi,
+            "a_program_that_ends_or_hangs",
+            a_program_that_ends_or_hangs_is_one_line_and_leaves_nothing,
+        ),
+        needing(pypi, "a_killed_run", a_killed_run_leaves_no_program),
+    ])
+}
