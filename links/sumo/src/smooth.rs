@@ -2,7 +2,7 @@
 //!
 //! Shapes of SUMO have kinks, which its vehicles pass at full speed. A car cannot. So the points are taken at even
 //! distances, and each is replaced by the mean of its neighbourhood. Straights stay as they are. A right angle becomes a
-//! curve of some 2 m radius that leaves the points by at most a metre. Each corner that is left becomes an arc.
+//! curve of some 2 m radius that leaves the points by at most a metre. A narrower turn makes the neighbourhood wider. Each corner that is left becomes an arc.
 
 use road::{Piece, Pose};
 
@@ -10,8 +10,10 @@ use crate::demand::distance;
 
 /// Distance between two points, m.
 const SPACING_M: f64 = 0.75;
-/// Points on either side that a mean takes in.
-const BESIDE: usize = 4;
+/// Points on either side that a mean takes in: more where a turn is too narrow otherwise.
+const BESIDE: [usize; 6] = [4, 6, 8, 11, 15, 20];
+/// Curvature up to which a turn is wide enough, 1/m.
+const WIDE_PERM: f64 = 1.0 / 1.5;
 /// Turn below which a line goes straight on, rad.
 const STRAIGHT_RAD: f64 = 1e-7;
 /// Shortest line between two arcs, m.
@@ -30,8 +32,21 @@ impl Smooth {
     /// The chain along points. Two neighbours are never the same point.
     pub fn of(points: &[[f64; 2]]) -> Self {
         let (ways, even) = evenly(points);
-        let means = averaged(&even);
-        let kept = corners(&means);
+        let is_wide = |smooth: &Self| {
+            let mut pieces = smooth.pieces.iter();
+            pieces.all(|piece| match piece {
+                Piece::Arc { curvature_perm, .. } => curvature_perm.abs() <= WIDE_PERM,
+                _ => true,
+            })
+        };
+        let with = |beside| Self::through(&averaged(&even, beside), &ways);
+        let found = BESIDE.into_iter().map(with).find(is_wide);
+        found.unwrap_or_else(|| with(BESIDE[BESIDE.len() - 1]))
+    }
+
+    /// The chain through points at these ways.
+    fn through(means: &[[f64; 2]], ways: &[f64]) -> Self {
+        let kept = corners(means);
         let (mut pieces, mut places) = (Vec::new(), vec![[0.0, 0.0]]);
         let (mut length_m, mut cut_m) = (0.0, 0.0);
         let line = |way_m: f64, pieces: &mut Vec<Piece>| {
@@ -99,9 +114,9 @@ pub fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
 }
 
 /// Each point as the mean of its neighbourhood; the ends stay.
-fn averaged(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+fn averaged(points: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
     let mean = |index: usize| {
-        let beside = BESIDE.min(index).min(points.len() - 1 - index);
+        let beside = most.min(index).min(points.len() - 1 - index);
         let near = &points[index - beside..=index + beside];
         [0, 1].map(|axis| {
             // About the point itself, so that a straight keeps its digits.
