@@ -187,7 +187,7 @@ fn groups(command: &clap::Command) -> String {
     let group = |(title, names): &(&str, &[&str])| {
         format!("{title}:\n{}", names.iter().map(line).collect::<String>())
     };
-    GROUPS.map(|one| group(&one)).join("\n")
+    GROUPS.map(|one| group(&one)).join("\n").trim_end().to_owned()
 }
 
 impl Cli {
@@ -321,6 +321,18 @@ mod tests {
     }
 
     #[test]
+    fn a_setting_that_cannot_be_read_is_shown_with_its_place() {
+        for (line, what) in [
+            ("timegap run --set nonsense", "error: --set nonsense: no `=`"),
+            ("timegap run --duration 30s", "error: --duration 30s: `30s` is not a number"),
+            ("timegap sweep a --vary a=1 --seed 7x", "error: --seed 7x: `7x` is not a number"),
+        ] {
+            let said = refusal(line);
+            assert!(said.starts_with(what) && said.contains("^ expected"), "{said}");
+        }
+    }
+
+    #[test]
     fn words_that_would_be_ignored_are_refused() {
         for (line, one, other) in [
             ("timegap print layouts --law --msg x", "--law", "--msg <DIR>"),
@@ -393,6 +405,18 @@ mod tests {
         assert_eq!(visible, grouped);
         let help = Cli::of(["timegap", "--help"]).expect_err("help ends the reading").to_string();
         assert!(help.contains("Judge:\n  campaign   Drive many seeded runs"), "{help}");
+        assert!(!help.contains("\n\n\n"), "{help}");
+    }
+
+    #[test]
+    fn a_help_page_fits_a_screen() {
+        for line in
+            ["run", "compare", "sweep", "string", "search", "campaign", "test r157", "bench"]
+        {
+            let words = ["timegap"].into_iter().chain(line.split(' ')).chain(["--help"]);
+            let help = Cli::of(words).expect_err("help ends the reading").to_string();
+            assert!(help.lines().count() <= 48, "{line}: {} lines", help.lines().count());
+        }
     }
 
     #[test]

@@ -240,6 +240,7 @@ mod tests {
             ("", ["c.toml:1:1", "missing key"]),
             (&format!("{head}colour = 1\n"), ["c.toml:4:1", "colour"]),
             (&format!("{head}mode = \"fast\"\n"), ["c.toml:4:8", "realtime"]),
+            (&format!("{head}set = [\"seed\"]\n"), ["c.toml:4:8", "`seed`: no `=`"]),
             (&format!("{head}seeds = 0\n"), ["c.toml:4:9", "expected a whole number of 1 or more"]),
             (
                 &format!("{head}[require]\nmax_fun = 1\n"),
