@@ -22,7 +22,7 @@ pub struct Target {
 }
 
 /// All readers.
-pub const TARGETS: [Target; 14] = [
+pub const TARGETS: [Target; 15] = [
     Target { name: "scenario", read: scenario },
     Target { name: "speed_table", read: speed_table },
     Target { name: "bag", read: bag },
@@ -37,6 +37,7 @@ pub const TARGETS: [Target; 14] = [
     Target { name: "storyboard", read: storyboard },
     Target { name: "opendrive", read: opendrive },
     Target { name: "plan", read: plan },
+    Target { name: "unit", read: unit },
 ];
 
 /// Scenario files. An accepted one can be written and read again, and its law can be built.
@@ -62,6 +63,20 @@ pub fn speed_table(bytes: &[u8]) {
             assert!(record.points.windows(2).all(|pair| pair[0].0 < pair[1].0));
         }
     }
+}
+
+/// Units of FMI: as an archive, and as the model description in one.
+pub fn unit(bytes: &[u8]) {
+    let path = std::env::temp_dir().join(format!("timegap-fuzz-{}.fmu", std::process::id()));
+    let library = format!("binaries/{}-linux/unit.so", std::env::consts::ARCH);
+    let library = library.replace("x86_64-linux", "linux64");
+    let packed = fmi::pack(&[("modelDescription.xml", bytes), (&library, b"")]).expect("short");
+    for unit in [bytes, &packed] {
+        std::fs::write(&path, unit).expect("a temporary file");
+        let _ = fmi::check_law(&path, &["gap_m=v".to_owned(), "--v=1".to_owned()]);
+        let _ = fmi::check_vehicle(&path, &[]);
+    }
+    std::fs::remove_file(&path).expect("it was written");
 }
 
 /// Bags of other programs.

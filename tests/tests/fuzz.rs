@@ -55,6 +55,17 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
                  start = { x_m = 5, y_m = 7, heading_deg = 30 }\nlanes = { left = 1, right = 2, width_m = 3.5 }\n",
             ),
         ],
+        "unit" => {
+            let description = text(
+                "<fmiModelDescription fmiVersion=\"2.0\" guid=\"1\"><CoSimulation modelIdentifier=\"unit\"/>\
+                 <UnitDefinitions><Unit name=\"k\"><BaseUnit m=\"1\" s=\"-1\" factor=\"0.3\"/></Unit></UnitDefinitions>\
+                 <ModelVariables><ScalarVariable name=\"v\" valueReference=\"0\" causality=\"input\"><Real unit=\"k\"/>\
+                 </ScalarVariable><ScalarVariable name=\"a\" valueReference=\"1\" causality=\"output\"><Real/>\
+                 </ScalarVariable></ModelVariables></fmiModelDescription>",
+            );
+            let unit = fmi::pack(&[("modelDescription.xml", &description)]).expect("short");
+            vec![description, unit]
+        }
         "design" => vec![file("shared/laws/designs/quadratic-bounded.json")],
         "link" => vec![
             text(r#"{"start":{"start_ns":12}}"#),

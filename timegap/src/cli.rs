@@ -65,6 +65,8 @@ pub enum Command {
     Bench(bench::BenchArguments),
     /// Check this machine for real time, and print commands that improve it
     Doctor(doctor::DoctorArguments),
+    /// Write a law as a unit of FMI 2.0, alone or in the loop of a deployment
+    ExportFmu(fmi_unit::ExportArguments),
     /// List scenarios, controllers, campaigns and tests
     List(crate::list::ListArguments),
     /// Print schemas, layouts, references, completions or the man page
@@ -119,7 +121,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ("Compare and search", &["compare", "sweep", "string", "search"]),
     ("Judge", &["campaign", "test", "papers", "merge", "resume"]),
     ("Recordings and this machine", &["recording", "bench", "doctor"]),
-    ("Look up", &["list", "print"]),
+    ("Look up and hand on", &["list", "print", "export-fmu"]),
 ];
 
 /// Names of version 0.2 and the present ones. Each works in this version, with a note.

@@ -85,6 +85,7 @@ fn run_command() -> ExitCode {
             None => bench::run(&arguments),
         },
         Command::Doctor(arguments) => doctor::run(&arguments),
+        Command::ExportFmu(arguments) => fmi_unit::run(&arguments),
         Command::List(arguments) => list::run(&arguments, &Cli::command()),
         Command::Print(PrintCommand::Schema(arguments)) => list::print_schema(&arguments),
         Command::Print(PrintCommand::Layouts(arguments)) => recordings::layouts::run(&arguments),

@@ -40,6 +40,7 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     let texts = arguments.arguments.iter().map(text).collect::<Result<Vec<_>, _>>()?;
     let expected = match (arguments.name.as_str(), texts.as_slice()) {
         ("fmu", texts) => return Ok(fmi::run(texts)),
+        ("unit", [resources]) => return Ok(fmi_unit::serve(Path::new(resources))),
         ("janitor", [root]) => return Ok(supervise::run_janitor(Path::new(root))),
         ("bench", [root, job]) => return bench::run_peer(Path::new(root), job),
         ("node", [root, node, number]) => return graph::run_node(Path::new(root), node, number),

@@ -24,7 +24,7 @@ pub struct Measure {
 
 /// Names that units use without a definition, or as the end of a variable's name.
 const KNOWN: [(&[&str], Dimension, f64); 16] = [
-    (&["m/s", "m.s-1", "m s-1", "m*s^-1", "meter/second", "mps", "ms"], SPEED, 1.0),
+    (&["m/s", "m.s-1", "m s-1", "m*s^-1", "meter/second", "mps"], SPEED, 1.0),
     (&["km/h", "kph", "kmh", "kmph"], SPEED, 1.0 / 3.6),
     (&["mph", "mi/h", "mile/h"], SPEED, 0.447_04),
     (&["m/s2", "m/s^2", "m/s²", "m/(s2)", "m/(s^2)", "m.s-2", "mps2", "ms2"], ACCELERATION, 1.0),
@@ -36,7 +36,7 @@ const KNOWN: [(&[&str], Dimension, f64); 16] = [
     (&["cm"], LENGTH, 0.01),
     (&["ft"], LENGTH, 0.304_8),
     (&["s", "sec", "second"], TIME, 1.0),
-    (&["msec"], TIME, 0.001),
+    (&["ms", "msec"], TIME, 0.001),
     (&["1", "-", ""], NUMBER, 1.0),
     (&["%", "percent", "pct"], NUMBER, 0.01),
     (&["N.m", "N m", "Nm", "N*m", "nm"], TORQUE, 1.0),

@@ -83,8 +83,8 @@ fn serve<A: Pod, Q: Part<A> + Pod>(path: &Path, words: &[String]) -> Result<(), 
     let system = |error: io::Error| {
         UnitError::new(path.display(), error.to_string(), "a machine that lets it run")
     };
-    let mut unit = Unit::<Q, A>::read(path, words)?;
-    let mut answers = own_output().map_err(system)?;
+    let unit = Unit::<Q, A>::read(path, words)?;
+    let (mut questions, mut answers) = own_streams().map_err(system)?;
     if !unit.wiring.unused.is_empty() {
         eprintln!(
             "{}: inputs that keep their start: {}",
@@ -99,7 +99,6 @@ fn serve<A: Pod, Q: Part<A> + Pod>(path: &Path, words: &[String]) -> Result<(), 
     let library = directory.path.join(&unit.library);
     let instance = Instance::load(&unit.name, &unit.description, &library, &directory.path)?;
     let mut running = Running { unit: &unit, instance, question_s: 0.0, is_fresh: false };
-    let mut questions = io::stdin().lock();
     let mut question = Q::zeroed();
     let mut is_first = true;
     while read_whole(&mut questions, bytemuck::bytes_of_mut(&mut question)).map_err(system)? {
@@ -183,11 +182,12 @@ impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
     }
 }
 
-/// Standard output for answers alone: what the unit prints goes to standard error.
-fn own_output() -> io::Result<File> {
-    let answers = rustix::io::dup(io::stdout())?;
+/// Streams for questions and answers alone: the unit reads nothing, and prints to standard error.
+fn own_streams() -> io::Result<(File, File)> {
+    let own = (rustix::io::dup(io::stdin())?.into(), rustix::io::dup(io::stdout())?.into());
+    rustix::stdio::dup2_stdin(File::open("/dev/null")?)?;
     rustix::stdio::dup2_stdout(io::stderr())?;
-    Ok(File::from(answers))
+    Ok(own)
 }
 
 /// Reads a whole record; false at the end of the input.

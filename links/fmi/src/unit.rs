@@ -97,7 +97,7 @@ impl<A: 'static, Q: Part<A>> Unit<Q, A> {
     /// Names the part of the unit that is wrong, and what was expected.
     pub fn read(path: &Path, words: &[String]) -> Result<Self, UnitError> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let mut archive = Archive::open(path)?;
+        let archive = Archive::open(path)?;
         let text = archive.read(FILE, MAX_DESCRIPTION)?;
         let description = Description::read(&name, &String::from_utf8_lossy(&text))?;
         let library = library(&archive, &name, &description)?;

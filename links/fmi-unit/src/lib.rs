@@ -1,0 +1,146 @@
+//! Laws as units of FMI 2.0, for masters such as Simulink, OpenModelica and fmpy.
+//!
+//! ```text
+//! unit.fmu ── binaries/linux64/unit.so      FMI 2.0's functions, one file of Rust without a crate (library/unit.rs)
+//!          ├─ resources/timegap             this program, or `resources/program` with its path
+//!          ├─ resources/scenario.toml       the law with its keys; `resources/loop` if it is in the loop
+//!          └─ modelDescription.xml
+//! ```
+//!
+//! The library starts the program, and asks it through pipes. So the unit computes what timegap computes, a master
+//! meets no foreign threads and no allocator but its own, and the export needs no compiler.
+
+mod model;
+mod ports;
+
+use clap::Args;
+use model::Model;
+use scenario::{Overrides, Scenario, Setting};
+use sha2::{Digest, Sha256};
+use std::fs;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use supervise::{Error, UsageError};
+
+/// The library, compiled for this machine by the build script.
+const LIBRARY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/unit.so"));
+/// Values of a question and of an answer.
+const VALUES: usize = 64;
+
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// Law of timegap's own that the unit computes
+    #[arg(long, value_name = "NAME")]
+    pub law: String,
+    /// Put the law into a loop: vehicle, actuator gateway, and the delays, losses and restarts of a deployment
+    #[arg(long)]
+    pub plant: bool,
+    /// Unit to write
+    #[arg(long, value_name = "FILE.fmu")]
+    pub out: PathBuf,
+    /// Set a key of the law or the vehicle, by its dotted path (repeatable)
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<Setting>,
+    /// Let the unit start this program where it stands, in place of a copy: a small unit for this machine
+    #[arg(long)]
+    pub link: bool,
+}
+
+/// Runs `timegap export-fmu`.
+///
+/// # Errors
+/// When there is no such law, a key is wrong, or the unit cannot be written.
+pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
+    if let Some(path) =
+        arguments.out.extension().is_none_or(|end| end != "fmu").then_some(&arguments.out)
+    {
+        return Err(UsageError::option(
+            "--out",
+            path.display(),
+            "not a unit",
+            "a name that ends with .fmu",
+        )
+        .into());
+    }
+    if !laws::ALL.iter().any(|law| law.name == arguments.law) {
+        let names = scenario::accepted(&arguments.law, laws::ALL.iter().map(|law| law.name));
+        return Err(UsageError::option(
+            "--law",
+            &arguments.law,
+            "not a law of timegap's own",
+            names,
+        )
+        .into());
+    }
+    let mut overrides = Overrides::new();
+    arguments.set.iter().cloned().for_each(|setting| overrides.set(setting));
+    let text =
+        format!("schema_version = 1\nname = \"unit\"\n[controller]\nname = {:?}\n", arguments.law);
+    let check = &controller::laws::check;
+    let scenario = Scenario::parse_with("the unit", &text, &overrides, check)?;
+    let period_s = 1e-3 * f64::from(scenario.controller.period_ms.value());
+    let text = scenario.to_toml();
+    let ports = if arguments.plant { ports::LOOP } else { ports::LAW };
+    let name = format!("{}{}", arguments.law, if arguments.plant { "-loop" } else { "" });
+    let hash = Sha256::digest(format!("{text}{name}{}", env!("CARGO_PKG_VERSION")));
+    let token: String = hash[..16].iter().map(|byte| format!("{byte:02x}")).collect();
+    let description = ports::description(ports, &name, &token, period_s);
+    let platform = match std::env::consts::ARCH {
+        "x86_64" => "linux64".to_owned(),
+        machine => format!("{machine}-linux"),
+    };
+    let library = format!("binaries/{platform}/unit.so");
+    let program =
+        std::env::current_exe().map_err(Error::path("find", Path::new("this program")))?;
+    let (kind, own) = match arguments.link {
+        true => ("resources/program", program.display().to_string().into_bytes()),
+        false => ("resources/timegap", fs::read(&program).map_err(Error::path("read", &program))?),
+    };
+    let mut files = vec![
+        ("modelDescription.xml", description.as_bytes()),
+        (library.as_str(), LIBRARY),
+        ("resources/scenario.toml", text.as_bytes()),
+        (kind, own.as_slice()),
+    ];
+    if arguments.plant {
+        files.push(("resources/loop", b"\n"));
+    }
+    let unit = fmi::pack(&files).map_err(Error::path("pack", &arguments.out))?;
+    fs::write(&arguments.out, unit).map_err(Error::path("write", &arguments.out))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Runs the process of an exported unit, whose resources are in `directory`.
+#[must_use]
+pub fn serve(directory: &Path) -> ExitCode {
+    let served = || -> Result<(), Box<dyn std::error::Error>> {
+        let text = fs::read_to_string(directory.join("scenario.toml"))?;
+        let scenario = Scenario::parse("scenario.toml", &text)?;
+        let mut model = Model::new(scenario, directory.join("loop").exists())?;
+        let (mut questions, mut answers) = (io::stdin().lock(), io::stdout().lock());
+        let mut question = [0; 8 * (2 + VALUES)];
+        while questions.read_exact(&mut question).is_ok() {
+            let numbers = question
+                .chunks_exact(8)
+                .map(|bytes| f64::from_le_bytes(bytes.try_into().expect("eight bytes")));
+            let numbers: Vec<f64> = numbers.collect();
+            let (what, step_s, mut values) = (numbers[0], numbers[1], numbers[2..].to_vec());
+            match what == 1.0 {
+                true => model.begin(&mut values),
+                false => model.step(&mut values, step_s),
+            }
+            let answer: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+            answers.write_all(&answer)?;
+            answers.flush()?;
+        }
+        Ok(())
+    };
+    match served() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(io::stderr(), "{}: {error}", directory.display());
+            ExitCode::from(2)
+        }
+    }
+}
