@@ -151,7 +151,7 @@ fn a_unit_that_is_no_law_is_refused_in_one_line() {
         (description("2.0", "ModelExchange", &LAW), "not for co-simulation"),
         (changed(4, ("a", 4, "local", "")), "an output for request_mps2 is not found"),
         (changed(4, ("a", 4, "input", "start='0'")), "an output for request_mps2 is not found"),
-        (changed(0, ("v", 0, "input", "unit='kg'")), "`v` has the unit `kg`"),
+        (changed(0, ("v", 0, "input", "unit='kg'")), "the unit `kg` of `v`"),
         (changed(0, ("v", 0, "input", "unit='furlong'")), "`furlong` of `v` is not defined"),
         ("<a/>".to_owned(), "element `a`"),
         ("<a".to_owned(), "not XML"),

@@ -18,7 +18,7 @@ use runtime::RuntimeError;
 use runtime::hosted::{Hosting, Life, Plan, Proof, Reply};
 use scenario::Scenario;
 use scenario::plant::Plant;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 /// Time for the first answer, and in simulated time for each. Chosen, as the law's.
@@ -69,7 +69,7 @@ impl UnitCar {
             part: "vehicle",
             command: [vec![unit.display().to_string()], plant.unit_words()].concat(),
             variables: Vec::new(),
-            directory: PathBuf::new(),
+            directory: unit.parent().unwrap_or(Path::new("/")).to_path_buf(),
             patience: PATIENCE,
             silence: SILENCE,
             supervision: scenario.supervision,

@@ -4,7 +4,7 @@
 //! history gives another drive than in a process of its own. The runs that studies repeat show
 //! this.
 
-use super::law::Program;
+use super::record::Program;
 use runtime::hosted::Plan;
 use std::cell::RefCell;
 

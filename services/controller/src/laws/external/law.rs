@@ -2,16 +2,13 @@
 
 use super::backup::{Backup, Reason};
 use super::idle;
-use super::record::{Bounds, Refused, accept, question};
+use super::record::{Bounds, Program, Refused, accept, question};
 use crate::law::ProgramReport;
 use crate::law::{Hosted, HostedError, Input, Law, Output};
-use messages::{LawAnswer, LawInput, Service};
-use runtime::hosted::{Hosting, Life, Plan, Proof, Reply};
+use messages::{LawAnswer, Service};
+use runtime::hosted::{Life, Plan, Proof, Reply};
 use scenario::Scenario;
 use std::time::Duration;
-
-/// A law's program with its host.
-pub(super) type Program = Hosting<LawInput, LawAnswer>;
 
 /// A law that a program of the user's computes.
 pub struct External {

@@ -3,11 +3,15 @@
 use crate::law::{Input, MAX_PLAN, Output, Phase, TorqueRequest};
 use bytemuck::Zeroable;
 use messages::{LAW_CELLS, LAW_INTERVALS, LAW_MODES, LAW_PLAN, LAW_SIGNALS, LawAnswer, LawInput};
+use runtime::hosted::Hosting;
 
 const _: () = assert!(LAW_SIGNALS == crate::law::MAX_SIGNALS, "a question has every signal");
 const _: () = assert!(LAW_INTERVALS == crate::law::MAX_PHASES, "and every interval");
 const _: () = assert!(LAW_CELLS == crate::law::MAX_CELLS, "and every cell");
 const _: () = assert!(LAW_PLAN < MAX_PLAN, "a command carries every plan");
+
+/// A law's program with its host.
+pub(super) type Program = Hosting<LawInput, LawAnswer>;
 
 /// Bounds of a request.
 #[derive(Clone, Copy, Debug, PartialEq)]
