@@ -6,7 +6,7 @@ use messages::{Course, Curves, EgoPose, EgoTruth, Header, LateralMotion};
 use road::{Axis, Pose};
 use runtime::{Publisher, Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
-use scenario::course::CourseSource;
+use scenario::course::{CourseSource, RoadEstimate};
 
 use crate::radar::scene::{Ego, PlaneEgo};
 use crate::tracking::course_filter::{MapAhead, Sources};
@@ -43,6 +43,7 @@ pub(crate) fn sources(scenario: &Scenario) -> Sources {
         standing: uses(CourseSource::Standing),
         trails: uses(CourseSource::Trails),
         map: uses(CourseSource::Map),
+        as_belief: scenario.perception.course.road == RoadEstimate::Belief,
     }
 }
 

@@ -38,6 +38,7 @@ pub struct Scan<'a> {
     pub position_m: f64,
     pub perception: &'a Perception,
     pub tracks: &'a TrackList,
+    pub detections: &'a [Detection],
 }
 
 /// Drives an ego of `seed` along `road`, with a map of these curvatures in cells, until `each` scan returns false.
@@ -64,7 +65,8 @@ pub fn drive(
         );
         ego.advance(road);
         let (time_s, position_m) = (ego.time_s(), here.position_m);
-        if !each(&Scan { time_s, position_m, perception, tracks: &tracks }) {
+        let detections = &detections[..perception.received().count];
+        if !each(&Scan { time_s, position_m, perception, tracks: &tracks, detections }) {
             return;
         }
     }

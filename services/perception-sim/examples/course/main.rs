@@ -4,6 +4,7 @@
 //! cargo run --release -p perception-sim --example course -- [ROADS [KILOMETRES [ROW]]] [NUMBER=VALUE]...
 //! cargo run --release -p perception-sim --example course -- effects [ROADS [KILOMETRES [NUMBERS]]]
 //! cargo run --release -p perception-sim --example course -- empty [ROADS [KILOMETRES]]
+//! cargo run --release -p perception-sim --example course -- queues [SCENES [HYPOTHESES]]
 //! ```
 //!
 //! A lead drives at a constant gap in the ego's lane. Each neighbouring lane has one vehicle, at 0.5 to 1.3 of that
@@ -14,7 +15,8 @@
 //! count from 8 s on. "Unseen" is the share of time in which the lead has no track at all, so that no selection helps.
 //! `ROW` is a part of a row's name; a number is one of `CourseNumbers` or the tracker's `Numbers`. The third table is a
 //! straight road: what the radar's imperfections alone cost. `effects` halves and doubles each number of the course, or
-//! those of course and tracker that `NUMBERS` lists. `empty` drives roads without vehicles, by radius.
+//! those of course and tracker that `NUMBERS` lists. `empty` drives roads without vehicles, by radius. `queues`
+//! compares filter, belief and an oracle before queues in curves.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
@@ -33,6 +35,8 @@ use std::sync::Arc;
 
 mod ego;
 mod empty;
+mod oracle;
+mod queue;
 
 use ego::{CELL_M, Scan};
 
@@ -43,11 +47,26 @@ const NEAR_M: f64 = 6.0;
 
 /// A row: its name and the sources.
 const ROWS: [(&str, Sources); 5] = [
-    ("straight", Sources { yaw_rate: false, standing: false, trails: false, map: false }),
-    ("yaw rate", Sources { yaw_rate: true, standing: false, trails: false, map: false }),
-    ("+ standing", Sources { yaw_rate: true, standing: true, trails: false, map: false }),
-    ("+ trails", Sources { yaw_rate: true, standing: true, trails: true, map: false }),
-    ("+ map", Sources { yaw_rate: true, standing: true, trails: true, map: true }),
+    (
+        "straight",
+        Sources { yaw_rate: false, standing: false, trails: false, map: false, as_belief: false },
+    ),
+    (
+        "yaw rate",
+        Sources { yaw_rate: true, standing: false, trails: false, map: false, as_belief: false },
+    ),
+    (
+        "+ standing",
+        Sources { yaw_rate: true, standing: true, trails: false, map: false, as_belief: false },
+    ),
+    (
+        "+ trails",
+        Sources { yaw_rate: true, standing: true, trails: true, map: false, as_belief: false },
+    ),
+    (
+        "+ map",
+        Sources { yaw_rate: true, standing: true, trails: true, map: true, as_belief: false },
+    ),
 ];
 
 /// Radii, m, and speed, m/s. The last one is a straight road, for comparison.
@@ -307,6 +326,13 @@ fn main() {
         let (name, value) = change.split_once('=').expect("it has one");
         let is_known = set(&mut course, name, value) | set(&mut tracker, name, value);
         assert!(is_known, "`{name}` is not a number of course or tracker");
+    }
+    if words.first().is_some_and(|word| word == "queues") {
+        let number =
+            |index: usize, other: u64| words.get(index).map_or(other, |word| number(word) as u64);
+        let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
+        queue::print(number(1, 12), number(2, 1_000) as usize, &mut detections);
+        return;
     }
     let of_effects = words.first().is_some_and(|word| word == "effects");
     let of_empty = words.first().is_some_and(|word| word == "empty");

@@ -1,6 +1,7 @@
 //! New tracks from detections that belong to none.
 //!
-//! Standing targets: a track begins with a standing echo only in the ego's lane ([`Numbers::standing_half_width_m`]).
+//! Standing targets: a track begins with a standing echo only in the ego's lane ([`Numbers::standing_half_width_m`]), or
+//! where the belief about the road allows it.
 //! There a standing object is an obstacle. The track needs twice the scans to be confirmed. Standing echoes elsewhere
 //! count as roadside. A vehicle that has been tracked while it moved stays a track when it stops. Nothing begins
 //! beyond the road's edge ([`super::road_edge`]) nor three lanes off ([`super::mirror`]).
@@ -18,18 +19,17 @@ pub fn moves(point: &Point, numbers: &Numbers) -> bool {
     point.ground_speed_mps.abs() > numbers.standing_mps + noise_mps
 }
 
-/// Calls `begin` with what is seen of each new vehicle, and whether it moves. `outlines` are those of the
+/// Nothing that stands and `is_aside` begins a track. Calls `begin` with what is seen of each new vehicle, and whether it moves. `outlines` are those of the
 /// tracks that were seen in this scan. The points used belong to nothing else afterwards.
 pub fn find(
     points: &mut [Point],
-    outlines: &[Outline],
-    edge: &RoadEdge,
+    (outlines, edge): (&[Outline], &RoadEdge),
+    is_aside: impl Fn(&Point) -> bool,
     numbers: &Numbers,
     mut begin: impl FnMut(&Sighting, bool),
 ) {
     for point in points.iter_mut() {
-        let stands_aside =
-            !moves(point, numbers) && point.y_m.abs() > numbers.standing_half_width_m;
+        let stands_aside = !moves(point, numbers) && is_aside(point);
         if point.owner.is_none()
             && (stands_aside
                 || mirror::is_too_far(point, numbers)
@@ -100,9 +100,13 @@ mod tests {
     use super::super::association::tests::point;
     use super::*;
 
+    fn aside(point: &Point) -> bool {
+        point.y_m.abs() > Numbers::DEFAULT.standing_half_width_m
+    }
+
     fn begun(points: &[Point], edge: &RoadEdge) -> usize {
         let (mut points, mut count) = (points.to_vec(), 0);
-        find(&mut points, &[], edge, &Numbers::DEFAULT, |_, _| count += 1);
+        find(&mut points, (&[], edge), aside, &Numbers::DEFAULT, |_, _| count += 1);
         assert!(points.iter().all(|point| point.owner.is_some()));
         count
     }
@@ -192,7 +196,7 @@ mod tests {
         let mut points = [point(40.0, 0.5, 0.0), point(42.0, -0.5, 0.0), point(80.0, 0.0, -20.0)];
         points[2].detection = 5;
         let mut seen = Vec::new();
-        find(&mut points, &[], &RoadEdge::default(), &NUMBERS, |sighting, moves| {
+        find(&mut points, (&[], &RoadEdge::default()), aside, &NUMBERS, |sighting, moves| {
             seen.push((sighting.nearest, sighting.farthest_m, moves));
         });
         assert_eq!(seen, [(0, 42.0, true), (5, 80.0, false)]);
@@ -214,13 +218,15 @@ mod tests {
         };
         let mut points = [point(41.0, 0.0, -5.0), point(60.0, 0.0, -5.0)];
         let mut seen = Vec::new();
-        find(&mut points, &[outline], &RoadEdge::default(), &NUMBERS, |sighting, _| {
+        find(&mut points, (&[outline], &RoadEdge::default()), aside, &NUMBERS, |sighting, _| {
             seen.push(sighting.farthest_m);
         });
         assert_eq!(seen, [60.0]);
         // A point that a track has taken begins nothing either.
         let mut taken = [Point { owner: Some(0), ..point(60.0, 0.0, -5.0) }];
-        find(&mut taken, &[], &RoadEdge::default(), &NUMBERS, |_, _| panic!("it is taken"));
+        find(&mut taken, (&[], &RoadEdge::default()), aside, &NUMBERS, |_, _| {
+            panic!("it is taken")
+        });
         assert_eq!(taken[0].owner, Some(0));
     }
 }

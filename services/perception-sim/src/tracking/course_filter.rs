@@ -238,18 +238,10 @@ impl CourseFilter {
     }
 
     fn take_map(&mut self, map: &MapAhead) {
-        let at = |sigma_m: f64| {
-            let place = (sigma_m - map.first_m) / map.cell_m;
-            let below = place.floor().clamp(0.0, (map.curvatures_perm.len().max(1) - 1) as f64);
-            let share = (place - below).clamp(0.0, 1.0);
-            let get = |index: usize| map.curvatures_perm.get(index).copied();
-            let low = get(below as usize)?;
-            Some(low + share * (get(below as usize + 1).unwrap_or(low) - low))
-        };
         // One value for each knot ahead.
         for knot in 0..KNOTS {
             let sigma_m = (knot as f64 * APART_M - self.passed_m).max(0.0);
-            let Some(curvature_perm) = at(sigma_m) else { return };
+            let Some(curvature_perm) = map.curvature_perm(sigma_m) else { return };
             let weights = knots::curvature(sigma_m, self.passed_m);
             let off_perm = curvature_perm - sum(&weights, &self.state.mean);
             self.see(weights, off_perm, self.numbers.map_perm);

@@ -11,6 +11,8 @@ pub struct Sources {
     pub trails: bool,
     /// Curvatures of the map.
     pub map: bool,
+    /// They weigh the hypotheses of a belief, and not the state of a filter.
+    pub as_belief: bool,
 }
 
 impl Sources {
@@ -36,6 +38,19 @@ pub struct MapAhead<'a> {
     pub first_m: f64,
     /// Length of a cell, m.
     pub cell_m: f64,
+}
+
+impl MapAhead<'_> {
+    /// Curvature at a distance ahead, 1/m; `None` of an empty map.
+    #[must_use]
+    pub fn curvature_perm(&self, ahead_m: f64) -> Option<f64> {
+        let place = (ahead_m - self.first_m) / self.cell_m;
+        let below = place.floor().clamp(0.0, (self.curvatures_perm.len().max(1) - 1) as f64);
+        let share = (place - below).clamp(0.0, 1.0);
+        let cell = |index: usize| self.curvatures_perm.get(index).copied();
+        let low = cell(below as usize)?;
+        Some(low + share * (cell(below as usize + 1).unwrap_or(low) - low))
+    }
 }
 
 #[cfg(test)]

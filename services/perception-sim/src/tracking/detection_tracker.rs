@@ -4,7 +4,7 @@
 //! its detections ([`super::track`]), and the rest begins tracks ([`super::birth`]). Then tracks of one vehicle are
 //! united, mirror images end ([`super::mirror`]), and tracks are confirmed or end. A step allocates nothing.
 //!
-//! On a road with a plan all this happens on the course ([`super::course_filter`]). The scan's standing echoes and the
+//! On a road with a plan all this happens on the course ([`super::road_ahead`]). The scan's standing echoes and the
 //! trails of the tracks correct the course first. A track keeps its place in the plane then. It is shifted by the
 //! correction at its distance, and gains no lateral speed.
 
@@ -158,8 +158,7 @@ impl DetectionTracker {
     fn leave_trails(&mut self) {
         for track in &self.tracks {
             if track.id != 0 && track.is_seen() && track.moved && track.abreast.is_one() {
-                let place = (track.along.estimate().gap_m, track.across.position_m());
-                self.ahead.leave_trail(track.id, place, track.across.speed_mps());
+                self.ahead.leave_trail(track.id, track.place(), track.across.speed_mps());
             }
         }
     }
@@ -296,7 +295,12 @@ impl DetectionTracker {
         self.outlines.retain(|outline| tracks[outline.place].is_seen());
         let model = &self.model;
         let numbers = model.numbers();
-        birth::find(&mut self.points, &self.outlines, &self.edge, numbers, |sighting, moves| {
+        let ahead = &self.ahead;
+        let aside = |point: &Point| {
+            ahead.is_aside((point.x_m, point.y_m), point.lateral_variance.sqrt(), numbers)
+        };
+        let known = (self.outlines.as_slice(), &self.edge);
+        birth::find(&mut self.points, known, aside, numbers, |sighting, moves| {
             if tracks.len() < MAX_KEPT {
                 tracks.push(DetectedTrack::begin(model, sighting, moves));
             }
@@ -337,7 +341,12 @@ impl DetectionTracker {
 
     fn confirm(&mut self, life: &Life, dt_s: f64, ego_mps: f64) {
         let numbers = self.model.numbers();
-        self.tracks.retain(|track| !track.is_over(life, numbers) && !track.is_roadside(numbers));
+        let ahead = &self.ahead;
+        let is_roadside = |track: &DetectedTrack| {
+            let (place, sigma_m) = (track.place(), track.across.position_sigma_m());
+            track.has_stood() && ahead.is_aside(place, sigma_m, numbers)
+        };
+        self.tracks.retain(|track| !track.is_over(life, numbers) && !is_roadside(track));
         for place in 0..self.tracks.len() {
             let track = &self.tracks[place];
             // The centroid of several vehicles is not a vehicle. But a track that may be one vehicle has to count
@@ -353,15 +362,14 @@ impl DetectionTracker {
                 track.id = self.next_id;
                 self.next_id = self.next_id.wrapping_add(1).max(1);
             }
-            let path_sigma_m = self.ahead.path_sigma_m(track.along.estimate().gap_m);
+            let estimate = track.along.estimate();
+            let path_sigma_m = self.ahead.path_sigma_m(estimate.gap_m);
             // A vehicle that follows the road crosses a course whose heading is off.
-            let crossing_mps = if path_sigma_m > 0.0 {
-                let speed_mps = ego_mps + track.along.estimate().relative_speed_mps;
-                speed_mps * self.ahead.heading_sigma_rad(track.along.estimate().gap_m)
-            } else {
-                0.0
-            };
-            let across = across.on_course(path_sigma_m, crossing_mps);
+            let crossing_mps = (ego_mps + estimate.relative_speed_mps)
+                * self.ahead.heading_sigma_rad(estimate.gap_m);
+            let mut across = across.on_course(path_sigma_m, crossing_mps);
+            let sigma_m = track.across.position_sigma_m();
+            across.in_way = self.ahead.in_way(track.place(), sigma_m, track.width_m);
             self.limits.observe(&mut track.membership, &across, dt_s);
         }
     }

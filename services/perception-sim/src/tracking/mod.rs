@@ -7,6 +7,7 @@
 
 pub mod abreast;
 pub mod association;
+pub mod belief;
 pub mod birth;
 pub mod course;
 mod course_edges;

@@ -219,11 +219,15 @@ impl ObjectTracker {
             }
         }
         known.across.update(self.lateral(&measurement), self.model.numbers());
+        let place = (known.along.estimate().gap_m, known.across.position_m());
+        let (sigma_m, width_m) =
+            (known.across.position_sigma_m(), self.model.numbers().first_width_m);
         let across = Across {
             lateral_m: known.across.position_m(),
             speed_mps: known.across.speed_mps(),
             speed_sigma_mps: known.across.speed_sigma_mps(),
             path_sigma_m: self.ahead.path_sigma_m(known.along.estimate().gap_m),
+            in_way: self.ahead.in_way(place, sigma_m, width_m),
             approach: Approach {
                 gap_m: known.along.estimate().gap_m,
                 relative_speed_mps: known.along.estimate().relative_speed_mps,

@@ -4,7 +4,8 @@
 //! the path beyond `leave_half_width_m`. So a vehicle on the line between two lanes does not flicker, and one noisy
 //! scan makes no target. An estimated path is left only after [`Numbers::course_leave_s`]. If the course ahead is not
 //! known well ([`Numbers::doubtful_path_m`]), probabilities replace these limits. They are those of its being within
-//! the lane. A track also counts as within the entry limit if its body comes before the ego's in less than `predict_s`,
+//! the lane. With a belief about the road ([`super::belief`]) it is the probability of being in the ego's way. The more
+//! braking a track would need, the less of it is enough. A track also counts as within the entry limit if its body comes before the ego's in less than `predict_s`,
 //! by its lateral motion. So a cut-in is recognised before the bodies overlap. A track that the ego will have passed by
 //! then stays out. So does a track that it will be beside by then, even with a cruise control's hardest braking.
 //! Braking only makes the time beside it longer.
@@ -36,6 +37,8 @@ pub struct Across {
     pub speed_sigma_mps: f64,
     /// Standard deviation of the path's own place there, m; 0 where it is known.
     pub path_sigma_m: f64,
+    /// Probability that it is in the ego's way, where a belief about the road gives it.
+    pub in_way: Option<f64>,
     /// Approach of the ego to it.
     pub approach: Approach,
 }
@@ -56,7 +59,14 @@ impl Across {
     #[must_use]
     pub fn resting(lateral_m: f64) -> Self {
         let approach = Approach { gap_m: f64::INFINITY, relative_speed_mps: 0.0, length_m: 0.0 };
-        Self { lateral_m, speed_mps: 0.0, speed_sigma_mps: 0.0, path_sigma_m: 0.0, approach }
+        Self {
+            lateral_m,
+            speed_mps: 0.0,
+            speed_sigma_mps: 0.0,
+            path_sigma_m: 0.0,
+            in_way: None,
+            approach,
+        }
     }
 }
 
@@ -73,7 +83,32 @@ impl Across {
     }
 }
 
+/// Braking that is comfortable, m/s².
+const COMFORT_MPS2: f64 = 2.5;
+/// Price of braking for nothing. It surprises those behind, so it is as bad as having to brake with 5 m/s², the most of
+/// a cruise control (ISO 15622).
+const FOR_NOTHING: f64 = 4.0;
+/// Probability from which a vehicle is followed that needs no braking.
+const FOLLOWED: f64 = 0.8;
+/// A target is given up at this share of the probability at which it is taken.
+const LEAVES_SHARE: f64 = 0.25;
+
+/// Probability of being in the way from which a track is worth this braking, m/s².
+///
+/// Braking late costs the square of the braking that is then needed, in multiples of what is comfortable. Braking for
+/// nothing costs [`FOR_NOTHING`]. A track is worth braking if P · (a / 2.5)² > (1 - P) · 4.
+fn enter_at(braking_mps2: f64) -> f64 {
+    let late = braking_mps2 / COMFORT_MPS2;
+    (1.0 / (1.0 + late * late / FOR_NOTHING)).min(FOLLOWED)
+}
+
 impl Approach {
+    /// Constant braking that keeps the ego behind the track at its present speed, m/s².
+    fn braking_mps2(&self) -> f64 {
+        let closing_mps = (-self.relative_speed_mps).max(0.0);
+        closing_mps * closing_mps / (2.0 * self.gap_m.max(1.0))
+    }
+
     /// True if the ego has passed the track in `time_s` with both speeds constant.
     fn is_passed_in(&self, time_s: f64, numbers: &Numbers) -> bool {
         self.gap_m + self.relative_speed_mps * time_s < -(self.length_m + numbers.ego_length_m)
@@ -141,6 +176,10 @@ impl PathLimits {
         let (offset, sigma_m) = (across.lateral_m.abs(), across.path_sigma_m);
         let Numbers { doubtful_path_m, half_lane_m, enter_probability, leave_probability, .. } =
             self.numbers;
+        if let Some(probability) = across.in_way {
+            let enter = enter_at(across.approach.braking_mps2());
+            return (probability > enter, probability >= LEAVES_SHARE * enter);
+        }
         if sigma_m <= doubtful_path_m {
             return (offset <= self.enter_m, offset <= self.leave_m);
         }
@@ -264,6 +303,7 @@ mod tests {
                 speed_mps: -1.0,
                 speed_sigma_mps: 0.1,
                 path_sigma_m: 0.0,
+                in_way: None,
                 approach,
             };
             let mut membership = Membership::default();
@@ -294,6 +334,25 @@ mod tests {
         // Without knowledge nothing enters.
         assert_eq!(within(0.0, 5.0), (false, true));
         assert_eq!(within(0.0, 20.0), (false, false));
+    }
+
+    #[test]
+    fn prices_decide_where_the_path_is_doubtful() {
+        // 20 m/s towards what stands: 2.5 m/s² at 80 m, 5 m/s² at 40 m.
+        let within = |gap_m: f64, probability: f64| {
+            let approach = Approach { gap_m, relative_speed_mps: -20.0, length_m: 4.5 };
+            let in_way = Some(probability);
+            limits().within(&Across { in_way, approach, ..Across::resting(0.0) })
+        };
+        assert_eq!(within(80.0, 0.81), (true, true));
+        assert_eq!(within(80.0, 0.79), (false, true), "braking for nothing is four times as bad");
+        assert_eq!(within(80.0, 0.19), (false, false));
+        assert_eq!(within(40.0, 0.51), (true, true), "as bad as braking with 5 m/s²");
+        assert_eq!((within(40.0, 0.49), within(40.0, 0.12)), ((false, true), (false, false)));
+        // A lead that goes along needs no braking.
+        let in_way = Some(0.81);
+        let lead = Across { in_way, ..Across::resting(3.5) };
+        assert_eq!(limits().within(&lead), (true, true), "the probability alone decides");
     }
 
     #[test]

@@ -184,12 +184,16 @@ impl DetectedTrack {
         }
     }
 
-    /// It stands beside the lane, as what is beside the road does.
+    /// It is not confirmed, and has stood so far.
     #[must_use]
-    pub fn is_roadside(&self, numbers: &Numbers) -> bool {
-        self.id == 0
-            && !self.moved
-            && self.across.position_m().abs() > numbers.standing_half_width_m
+    pub fn has_stood(&self) -> bool {
+        self.id == 0 && !self.moved
+    }
+
+    /// Its place on the course: arc length of the rear and distance to the left, m.
+    #[must_use]
+    pub fn place(&self) -> (f64, f64) {
+        (self.along.estimate().gap_m, self.across.position_m())
     }
 
     /// Lateral position by a sighting of the rear.
@@ -299,6 +303,7 @@ impl DetectedTrack {
             speed_mps: self.across.speed_mps(),
             speed_sigma_mps: self.across.speed_sigma_mps(),
             path_sigma_m: 0.0,
+            in_way: None,
             approach: Approach {
                 gap_m: self.along.estimate().gap_m,
                 relative_speed_mps: self.along.estimate().relative_speed_mps,

@@ -4,7 +4,8 @@ use super::*;
 
 mod sources_tests;
 
-const POSTS: Sources = Sources { yaw_rate: true, standing: true, trails: false, map: false };
+const POSTS: Sources =
+    Sources { yaw_rate: true, standing: true, trails: false, map: false, as_belief: false };
 const NUMBERS: CourseNumbers = CourseNumbers::DEFAULT;
 
 /// A filter whose state has these variances, on a straight course.

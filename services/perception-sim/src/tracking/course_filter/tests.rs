@@ -5,7 +5,8 @@ use crate::random::Random;
 
 const DT_S: f64 = 0.05;
 const SPEED_MPS: f64 = 25.0;
-const ALL: Sources = Sources { yaw_rate: true, standing: true, trails: true, map: false };
+const ALL: Sources =
+    Sources { yaw_rate: true, standing: true, trails: true, map: false, as_belief: false };
 
 /// A road whose curvature rises from 0 to 1/`radius_m` over 80 m from `from_m` on: places by small steps.
 struct Road {

@@ -190,14 +190,11 @@ fn a_new_track_has_moved_while_all_its_echoes_do_and_an_old_one_once_it_did() {
 }
 
 #[test]
-fn a_standing_object_beside_the_lane_is_of_the_roadside() {
-    let is_roadside = |id: u32, moved: bool, lateral_m: f64| {
-        DetectedTrack { id, moved, ..track(40.0, lateral_m, 0.0) }.is_roadside(&NUMBERS)
-    };
-    assert!(is_roadside(0, false, 2.1) && is_roadside(0, false, -2.1));
-    assert!(
-        !is_roadside(0, false, 2.0) && !is_roadside(1, false, 2.1) && !is_roadside(0, true, 2.1)
-    );
+fn what_never_moved_has_stood_until_it_is_confirmed() {
+    let has_stood =
+        |id: u32, moved: bool| DetectedTrack { id, moved, ..track(40.0, 2.5, 0.0) }.has_stood();
+    assert!(has_stood(0, false) && !has_stood(1, false) && !has_stood(0, true));
+    assert_eq!(track(40.0, 2.5, 0.0).place(), (40.0, 2.5));
 }
 
 #[test]

@@ -2,8 +2,10 @@
 
 use super::*;
 
-const YAW_RATE: Sources = Sources { yaw_rate: true, standing: false, trails: false, map: false };
-const TRAILS: Sources = Sources { yaw_rate: false, standing: false, trails: true, map: false };
+const YAW_RATE: Sources =
+    Sources { yaw_rate: true, standing: false, trails: false, map: false, as_belief: false };
+const TRAILS: Sources =
+    Sources { yaw_rate: false, standing: false, trails: true, map: false, as_belief: false };
 
 fn moving(speed_mps: f64, yaw_rate_radps: Option<f64>, slip_rad: f64) -> Motion {
     Motion { speed_mps, yaw_rate_radps, slip_rad }

@@ -1,0 +1,415 @@
+//! How well a hypothesis explains what is known: the logarithms of its prior density and its likelihood.
+//!
+//! ```text
+//! prior      curves follow each other, and drivers are not too fast for them
+//! ego        keeps the middle of its lane, now and on the last 72 m
+//! yaw rate   is that of the lane under the ego
+//! landmark   is a post of either strip, a vehicle in one of three lanes, or anything anywhere
+//! trails     keep their distance from the lane
+//! map        has the curvatures ahead
+//! ```
+//!
+//! Vehicles that stand form queues. So the lanes with a queue are drawn once for all landmarks: one of three lanes, two
+//! of them, or all. The likelihood is the sum over these seven cases.
+//!
+//! A post and a vehicle differ in their cross section too. A post has 1 m² in the mean and a vehicle 6 m² or more.
+
+use super::road::{Bend, Hypothesis, Line};
+
+/// Width of a lane, m.
+pub const LANE_M: f64 = 3.5;
+/// Depth of the strip in which posts stand, m: from the edge of the hard strip to the ditch.
+const STRIP_M: f64 = 3.0;
+/// Wander of the ego about the middle of its lane, m. Source: Verster and Roth 2011, 0.2 m; with a margin of a half.
+const SWAY_M: f64 = 0.3;
+/// Angle between the way of the ego and its lane, rad: the same wander at 1 rad/s and 20 m/s.
+const ANGLE_RAD: f64 = 0.012;
+/// Lateral acceleration of an ego that steers within its lane, m/s²: that wander at 1 rad/s.
+const STEERING_MPS2: f64 = 0.2;
+/// Error of the curvature by the yaw rate at any speed, 1/m.
+const OWN_PERM: f64 = 2e-4;
+/// Half of a vehicle's width, m: its echoes come from anywhere across it. The standard deviation of its place in its
+/// lane, with that of the lane's width.
+const HALF_WIDTH_M: f64 = 0.9;
+const VEHICLE_M: f64 = 0.4;
+/// Standard deviation of the difference between two places of a trail, m: the wander of both, and dead reckoning.
+const TRAIL_M: f64 = 0.35;
+/// Error of a curvature of the map, 1/m: the mean of a cell, at a place known to some metres.
+const MAP_PERM: f64 = 5e-4;
+/// Places at which the map counts: every 25 m up to the radar's range.
+pub const MAP_PLACES: usize = 7;
+/// Distance between two of them, m.
+pub const MAP_APART_M: f64 = 25.0;
+/// Shares of posts, vehicles and others among landmarks. Posts are most of what stands; a twentieth is noise.
+const SHARES: [f64; 3] = [0.65, 0.30, 0.05];
+/// Density of what may be anywhere: within 30 m on both sides, and seldom.
+const ANYWHERE_PERM: f64 = 0.15 / 60.0;
+/// Mean cross sections of a post and of a vehicle's places, m²: those of 0 dBsm and 10 dBsm, as far as one landmark has
+/// them.
+const POST_M2: f64 = 1.5;
+const VEHICLE_M2: f64 = 8.0;
+/// Lateral acceleration up to which any curve is as probable as its shape, m/s², and the scale beyond. Source: R79
+/// allows 3 m/s² of assistance.
+const COMFORT_MPS2: f64 = 2.5;
+const HASTE_MPS2: f64 = 1.0;
+/// Least logarithm of one measurement, so that a wrong one rules nothing out.
+const LEAST: f64 = -8.0;
+
+/// A landmark in the frame of the evidence.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mark {
+    at_m: (f64, f64),
+    /// 1 / standard deviation as a post and as a vehicle, 1/m.
+    sharp_perm: f64,
+    blunt_perm: f64,
+    /// Densities of a post in its strip and of a vehicle in its lane, in multiples of the density anywhere.
+    post: f64,
+    vehicle: f64,
+}
+
+impl Mark {
+    /// A landmark at a place, m, known to `sigma_m`, with a mean cross section and the smallest one that shows there.
+    #[must_use]
+    pub fn new(at_m: (f64, f64), sigma_m: f64, area_m2: f64, least_m2: f64) -> Self {
+        let [posts, vehicles, others] = SHARES;
+        let blunt_m = libm::hypot(sigma_m, VEHICLE_M);
+        let post = libm::exp(-(area_m2.min(40.0) - least_m2).max(0.0) / POST_M2) / POST_M2;
+        let vehicle = libm::exp(-area_m2.min(60.0) / VEHICLE_M2) / VEHICLE_M2;
+        let anywhere = others * ANYWHERE_PERM * (post + vehicle);
+        Self {
+            at_m,
+            sharp_perm: 1.0 / sigma_m,
+            blunt_perm: 1.0 / blunt_m,
+            post: 0.5 * posts * post / (STRIP_M * anywhere),
+            vehicle: vehicles * vehicle / (2.0 * HALF_WIDTH_M * anywhere),
+        }
+    }
+}
+
+/// Landmarks at most.
+const MARKS: usize = super::landmarks::MOST;
+/// Places of the ego's own way.
+pub const WAY: usize = 4;
+/// Pairs of trail places.
+const PAIRS: usize = 16;
+
+/// What is known, in one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Evidence {
+    marks: [Mark; MARKS],
+    mark_count: usize,
+    /// Places where the ego was, m.
+    way: [(f64, f64); WAY],
+    way_count: usize,
+    pairs: [((f64, f64), (f64, f64)); PAIRS],
+    pair_count: usize,
+    /// Curvature of the ego's way, 1/m, and the arc length at which it was that of the road.
+    pub own: Option<(f64, f64)>,
+    /// Direction of the ego's way in the body's axes, rad.
+    pub slip_rad: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Curvatures of the map, 1/m.
+    pub map_perm: Option<[f64; MAP_PLACES]>,
+}
+
+impl Default for Evidence {
+    fn default() -> Self {
+        Self {
+            marks: [Mark::default(); MARKS],
+            mark_count: 0,
+            way: [(0.0, 0.0); WAY],
+            way_count: 0,
+            pairs: [((0.0, 0.0), (0.0, 0.0)); PAIRS],
+            pair_count: 0,
+            own: None,
+            slip_rad: 0.0,
+            speed_mps: 0.0,
+            map_perm: None,
+        }
+    }
+}
+
+impl Evidence {
+    /// Nothing but the ego's motion.
+    pub fn clear(&mut self) {
+        (self.mark_count, self.way_count, self.pair_count) = (0, 0, 0);
+        (self.own, self.map_perm) = (None, None);
+    }
+
+    /// Adds a landmark.
+    pub fn add_mark(&mut self, mark: Mark) {
+        if self.mark_count < MARKS {
+            self.marks[self.mark_count] = mark;
+            self.mark_count += 1;
+        }
+    }
+
+    /// Adds a place where the ego was.
+    pub fn add_way(&mut self, place_m: (f64, f64)) {
+        if self.way_count < WAY {
+            self.way[self.way_count] = place_m;
+            self.way_count += 1;
+        }
+    }
+
+    /// Adds two places of one vehicle.
+    pub fn add_pair(&mut self, near: (f64, f64), far: (f64, f64)) {
+        if self.pair_count < PAIRS {
+            self.pairs[self.pair_count] = (near, far);
+            self.pair_count += 1;
+        }
+    }
+
+    /// Landmarks and pairs in use.
+    #[must_use]
+    pub fn counts(&self) -> (u32, u32) {
+        (self.mark_count as u32, self.pair_count as u32)
+    }
+
+    /// Logarithm of the likelihood of a hypothesis, with the prior of the ego's place in its lane.
+    #[must_use]
+    pub fn log_likelihood(&self, hypothesis: &Hypothesis, line: &Line) -> f64 {
+        let normal = |off: f64| (-0.5 * off * off).max(LEAST);
+        let mut sum = -0.5 * square(hypothesis.offset_m / SWAY_M);
+        sum += normal((hypothesis.heading_rad - self.slip_rad) / ANGLE_RAD);
+        for place in &self.way[..self.way_count] {
+            sum += normal(line.across_m(*place) / SWAY_M);
+        }
+        if let Some((own_perm, at_m)) = self.own {
+            let steering_perm = STEERING_MPS2 / square(self.speed_mps.max(3.0));
+            let off_perm = own_perm - hypothesis.curvature_perm(at_m);
+            sum += normal(off_perm / libm::hypot(steering_perm, OWN_PERM));
+        }
+        for (near, far) in &self.pairs[..self.pair_count] {
+            sum += normal((line.across_m(*far) - line.across_m(*near)) / TRAIL_M);
+        }
+        if let Some(map_perm) = &self.map_perm {
+            for (place, perm) in map_perm.iter().enumerate() {
+                let off_perm = perm - hypothesis.curvature_perm(place as f64 * MAP_APART_M);
+                sum += normal(off_perm / (MAP_PERM + 0.1 * perm.abs()));
+            }
+        }
+        sum + self.log_marks(hypothesis, line)
+    }
+
+    /// The part of the landmarks.
+    fn log_marks(&self, hypothesis: &Hypothesis, line: &Line) -> f64 {
+        let [left_m, right_m] = hypothesis.edges_m;
+        // Products over the landmarks: beside any lane, and by the case of the queues. Each factor is from 1 to some
+        // 1,000, so that 64 of them do not overflow.
+        let (mut beside, mut cases) = (1.0, [1.0; 7]);
+        for mark in &self.marks[..self.mark_count] {
+            let d_m = line.across_m(mark.at_m);
+            let strips = strip((d_m - left_m) * mark.sharp_perm, STRIP_M * mark.sharp_perm)
+                + strip((-d_m - right_m) * mark.sharp_perm, STRIP_M * mark.sharp_perm);
+            let post = 1.0 + mark.post * strips;
+            if d_m.abs() > LANE_M + HALF_WIDTH_M + 2.0 / mark.blunt_perm {
+                beside *= post;
+                continue;
+            }
+            let lane = |lane: f64| {
+                let from_m = d_m - lane * LANE_M + HALF_WIDTH_M;
+                let width = 2.0 * HALF_WIDTH_M * mark.blunt_perm;
+                mark.vehicle * strip(from_m * mark.blunt_perm, width)
+            };
+            let (a, b, c) = (lane(-1.0), lane(0.0), lane(1.0));
+            let densities =
+                [a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (a + c), (a + b + c) * (1.0 / 3.0)];
+            for (case, density) in cases.iter_mut().zip(densities) {
+                *case *= post + density;
+            }
+        }
+        let [a, b, c, rest @ ..] = cases;
+        let sum = ONE_LANE * (a + b + c) + MORE_LANES * rest.iter().sum::<f64>();
+        libm::log(beside) + libm::log(sum)
+    }
+}
+
+/// Prior probability that queues stand in one certain lane, and in one certain set of more lanes.
+const ONE_LANE: f64 = 0.28;
+const MORE_LANES: f64 = 0.04;
+
+/// Bounds of a hypothesis: lengths of clothoid and arc, m, radius, m, and distance of the strips, m.
+pub const RAMP_M: (f64, f64) = (0.5, 200.0);
+/// See [`RAMP_M`].
+pub const ARC_M: (f64, f64) = (10.0, 800.0);
+/// Smallest and largest radius: from a hairpin on, and up to what is straight within the radar's range.
+pub const RADIUS_M: (f64, f64) = (25.0, 3_000.0);
+/// Nearest and farthest strip: beside the own lane, and beyond four of them.
+pub const EDGE_M: (f64, f64) = (3.0, 18.0);
+/// Mean length of clothoids and arcs, m.
+pub const MEAN_RAMP_M: f64 = 60.0;
+/// See [`MEAN_RAMP_M`].
+pub const MEAN_ARC_M: f64 = 200.0;
+/// Longest straight road between two curves, m, and the mean of a short one.
+pub const STRAIGHT_M: f64 = 400.0;
+/// See [`STRAIGHT_M`].
+pub const SHORT_M: f64 = 8.0;
+
+/// Logarithm of the prior density of the curves and edges, up to a constant.
+#[must_use]
+pub fn log_prior(hypothesis: &Hypothesis, speed_mps: f64) -> f64 {
+    let within = |value: f64, (from, to): (f64, f64)| (from..=to).contains(&value);
+    let mut sum = 0.0;
+    let mut end_m = None;
+    for bend in &hypothesis.bends {
+        let Bend { curvature_perm, ramp_m, arc_m, .. } = *bend;
+        let perm = curvature_perm.abs();
+        if !within(ramp_m, RAMP_M) || !within(arc_m, ARC_M) || perm > 1.0 / RADIUS_M.0 {
+            return f64::NEG_INFINITY;
+        }
+        // Radii are even by their logarithm.
+        sum -= libm::log(perm.max(1.0 / RADIUS_M.1)) + ramp_m / MEAN_RAMP_M + arc_m / MEAN_ARC_M;
+        let haste_mps2 = perm * square(speed_mps) - COMFORT_MPS2;
+        sum += (-0.5 * square(haste_mps2.max(0.0) / HASTE_MPS2)).max(LEAST);
+        if let Some(end_m) = end_m {
+            let gap_m = bend.from_m - end_m;
+            if !within(gap_m, (0.0, STRAIGHT_M)) {
+                return f64::NEG_INFINITY;
+            }
+            sum += libm::log(0.5 / STRAIGHT_M + 0.5 / SHORT_M * libm::exp(-gap_m / SHORT_M));
+        }
+        end_m = Some(bend.to_m());
+    }
+    let are_edges = hypothesis.edges_m.iter().all(|edge_m| within(*edge_m, EDGE_M));
+    if are_edges { sum } else { f64::NEG_INFINITY }
+}
+
+/// Probability of a place from 0 to `width` in standard deviations, without transcendental functions: the normal
+/// distribution's, within 3 %.
+pub(super) fn strip(place: f64, width: f64) -> f64 {
+    let below = |z: f64| {
+        let share = (0.5 + z * (1.0 / 3.76)).clamp(0.0, 1.0);
+        share * share * (3.0 - 2.0 * share)
+    };
+    below(place) - below(place - width)
+}
+
+fn square(value: f64) -> f64 {
+    value * value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A straight road, then a curve to the left from 60 m on, of 200 m radius.
+    fn road() -> Hypothesis {
+        let bend = Bend { from_m: 60.0, curvature_perm: 0.005, ramp_m: 40.0, arc_m: 200.0 };
+        let next = Bend { from_m: 345.0, ..bend };
+        let last = Bend { from_m: 630.0, ..bend };
+        Hypothesis { bends: [bend, next, last], edges_m: [8.0; 2], ..Hypothesis::default() }
+    }
+
+    /// Point beside the road.
+    fn at(s_m: f64, d_m: f64) -> (f64, f64) {
+        let line = Line::of(&road());
+        // Newton's method on the place.
+        let mut point = (s_m, d_m);
+        for _ in 0..30 {
+            let there = line.beside(point);
+            let (sine, cosine) = libm::sincos(there.heading_rad);
+            let (along, across) = (s_m - there.s_m, d_m - there.d_m);
+            point.0 += along * cosine - across * sine;
+            point.1 += along * sine + across * cosine;
+        }
+        point
+    }
+
+    fn density(evidence: &Evidence, hypothesis: &Hypothesis) -> f64 {
+        log_prior(hypothesis, evidence.speed_mps)
+            + evidence.log_likelihood(hypothesis, &Line::of(hypothesis))
+    }
+
+    fn evidence() -> Evidence {
+        Evidence { speed_mps: 20.0, ..Evidence::default() }
+    }
+
+    #[test]
+    fn posts_favour_the_road_between_them() {
+        let mut evidence = evidence();
+        for k in 0..5 {
+            let s_m = 20.0 + 20.0 * f64::from(k);
+            evidence.add_mark(Mark::new(at(s_m, 9.0), 0.3, 1.0, 0.1));
+            evidence.add_mark(Mark::new(at(s_m, -9.5), 0.3, 1.0, 0.1));
+        }
+        let mut later = road();
+        later.bends[0].from_m = 75.0;
+        let mut right = road();
+        right.bends[0].curvature_perm = -0.005;
+        let truth = density(&evidence, &road());
+        assert!(truth > density(&evidence, &later), "a curve 15 m later");
+        assert!(truth > density(&evidence, &right) + 10.0, "to the other side");
+    }
+
+    #[test]
+    fn a_queue_stands_in_a_lane_and_its_vehicles_in_one() {
+        let of = |offsets: [f64; 3]| {
+            let mut evidence = evidence();
+            for (index, d_m) in offsets.into_iter().enumerate() {
+                let s_m = 40.0 + 8.0 * index as f64;
+                evidence.add_mark(Mark::new(at(s_m, d_m), 0.3, 8.0, 0.1));
+            }
+            density(&evidence, &road())
+        };
+        assert!(of([0.2, -0.2, 0.1]) > of([1.75; 3]) + 2.0, "not between two lanes");
+        assert!(of([3.5; 3]) > of([3.5, 0.0, -3.5]) + 1.0, "a row is simpler");
+        assert!((of([3.5; 3]) - of([0.0; 3])).abs() < 0.1, "each lane is as probable");
+    }
+
+    #[test]
+    fn the_ego_keeps_its_lane_and_the_map_its_curvature() {
+        let aside = Hypothesis { offset_m: 0.9, ..road() };
+        assert!(density(&evidence(), &road()) > density(&evidence(), &aside) + 4.0);
+        let own = Evidence { own: Some((0.004, -5.0)), ..evidence() };
+        let mut early = road();
+        early.bends[0].from_m = -60.0;
+        assert!(density(&own, &early) > density(&own, &road()), "it turns already");
+        let perm = std::array::from_fn(|place| road().curvature_perm(place as f64 * MAP_APART_M));
+        let map = Evidence { map_perm: Some(perm), ..evidence() };
+        let mut late = road();
+        late.bends[0].from_m = 110.0;
+        late.bends[1].from_m = 395.0;
+        late.bends[2].from_m = 680.0;
+        let lead = density(&evidence(), &road()) - density(&evidence(), &late);
+        assert!(density(&map, &road()) - density(&map, &late) > lead + 8.0);
+    }
+
+    #[test]
+    fn trails_are_parallel() {
+        let mut evidence = evidence();
+        evidence.add_pair(at(10.0, 3.5), at(110.0, 3.5));
+        let mut straight = road();
+        straight.bends[0].curvature_perm = 1e-6;
+        let alone = Evidence { speed_mps: 20.0, ..Evidence::default() };
+        let gain =
+            |hypothesis: &Hypothesis| density(&evidence, hypothesis) - density(&alone, hypothesis);
+        assert!(gain(&road()).abs() < 0.05 && gain(&straight) == LEAST);
+    }
+
+    #[test]
+    fn roads_that_cannot_be_have_no_density() {
+        let is_none = |hypothesis: &Hypothesis| log_prior(hypothesis, 20.0) == f64::NEG_INFINITY;
+        assert!(!is_none(&road()));
+        let mut overlap = road();
+        overlap.bends[1].from_m = 300.0;
+        assert!(is_none(&overlap));
+        assert!(is_none(&Hypothesis { edges_m: [2.0, 8.0], ..road() }));
+        let mut sharp = road();
+        sharp.bends[2].curvature_perm = -0.05;
+        assert!(is_none(&sharp));
+        // A curve that needs 5 m/s² is less probable, and possible.
+        assert!(log_prior(&road(), 31.6) < log_prior(&road(), 20.0) - 3.0);
+        assert!(!log_prior(&road(), 60.0).is_infinite());
+    }
+
+    #[test]
+    fn the_polynomial_is_near_the_normal_distribution() {
+        for k in -40..=40 {
+            let z = f64::from(k) * 0.1;
+            let below = 0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2);
+            assert!((strip(z, 1e6) - below).abs() < 0.03, "{z}");
+        }
+    }
+}
