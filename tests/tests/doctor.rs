@@ -67,3 +67,46 @@ fn no_temporary_directory_prevents_runs() {
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
     assert_eq!(report["can_run"], false);
 }
+
+/// A thread with the same priority on the same core, in turns. Both are printed: no speed is asserted, but neither may be
+/// another measurement than the other.
+#[test]
+#[ignore = "needs cyclictest (rt-tests) and the right to SCHED_FIFO: run it with --ignored"]
+fn the_wake_ups_are_those_of_cyclictest() {
+    const ROUNDS: usize = 6;
+    let corner = Corner::new(PROGRAM);
+    let core = runtime::scheduling::usable_cores().last().copied().expect("a core").to_string();
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        let report = corner.json(&["doctor", "--period-ms", "1", "--for", "2", "--json"]);
+        let own = &report["wake_ups"]["loops"][0];
+        let us = |key: &str| own[key].as_f64().expect("measured");
+        ours.push([us("p50_us"), us("worst_us")]);
+        let words = ["-t1", "-p80", "-i1000", "-D2", "-q", "-m", "-h20000", "-a", &core];
+        let output = std::process::Command::new("cyclictest").args(words).output();
+        let said = String::from_utf8(output.expect("rt-tests is there").stdout).expect("text");
+        let counts: Vec<(f64, u64)> = (said.lines())
+            .filter(|line| !line.starts_with('#'))
+            .filter_map(|line| {
+                let (us, count) = line.split_once(' ')?;
+                Some((us.parse().ok()?, count.trim().parse().ok()?))
+            })
+            .filter(|(_, count)| *count > 0)
+            .collect();
+        let all: u64 = counts.iter().map(|(_, count)| count).sum();
+        let mut reached = 0;
+        let median = counts.iter().find(|(_, count)| {
+            reached += count;
+            2 * reached >= all
+        });
+        theirs.push([median.expect("wake-ups").0, counts.last().expect("wake-ups").0]);
+    }
+    println!("timegap doctor, p50 and worst, us: {ours:?}\ncyclictest: {theirs:?}");
+    // The spans of the medians overlap, or lie within a half of each other.
+    let span = |all: &[[f64; 2]]| {
+        let medians = all.iter().map(|one| one[0]);
+        (medians.clone().fold(f64::MAX, f64::min), medians.fold(0.0, f64::max))
+    };
+    let ((low, high), (their_low, their_high)) = (span(&ours), span(&theirs));
+    assert!(low <= 1.5 * their_high && their_low <= 1.5 * high, "{ours:?} {theirs:?}");
+}

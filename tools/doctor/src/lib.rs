@@ -20,6 +20,7 @@ mod machine;
 mod processor;
 mod scheduling;
 mod storage;
+mod trials;
 pub mod wake_ups;
 
 use clap::Args;
@@ -72,6 +73,8 @@ struct Report {
     host: Host,
     findings: Vec<Finding>,
     wake_ups: WakeUps,
+    /// Changes that were tried on the user's own loop.
+    trials: Vec<trials::Trial>,
 }
 
 pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
@@ -79,7 +82,12 @@ pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
     let (findings, wake_ups) = examine(&host, arguments);
     let can_run = findings.iter().all(|finding| !finding.prevents_runs);
     let ok = findings.iter().all(|finding| finding.verdict == Verdict::Ok);
-    let report = Report { schema_version: 1, ok, can_run, host, findings, wake_ups };
+    let own = arguments.own.loops();
+    let trials = match own.as_slice() {
+        [each] => trials::measure(*each, arguments.seconds),
+        _ => Vec::new(),
+    };
+    let report = Report { schema_version: 1, ok, can_run, host, findings, wake_ups, trials };
     print::show(arguments.json, &document(&report))?;
     Ok(ExitCode::from(status(&report)))
 }
@@ -88,8 +96,9 @@ fn document(report: &Report) -> Document {
     let is_good = report.findings.iter().all(|finding| finding.verdict != Verdict::Bad);
     Document::new("doctor", "Doctor", report)
         .text(report.wake_ups.answer())
-        .table(finding::table(&report.findings))
         .table(report.wake_ups.histogram_table())
+        .table(trials::table(&report.trials))
+        .table(finding::table(&report.findings))
         .verdict(is_good, conclusion(report))
 }
 
@@ -183,8 +192,15 @@ mod tests {
         let (seconds, granted) = (0.0, String::new());
         let wake_ups = WakeUps { seconds, granted, loops: Vec::new(), histogram: Vec::new() };
         let findings = vec![bad];
-        let mut report =
-            Report { schema_version: 1, ok: false, can_run: true, host, findings, wake_ups };
+        let mut report = Report {
+            schema_version: 1,
+            ok: false,
+            can_run: true,
+            host,
+            findings,
+            wake_ups,
+            trials: Vec::new(),
+        };
         assert!(conclusion(&report).contains("do not trust"));
         assert_eq!(status(&report), 1);
         report.findings.push(fatal);

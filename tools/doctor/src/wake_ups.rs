@@ -13,7 +13,7 @@
 //! ```
 //! use doctor::wake_ups::LoopFigures;
 //!
-//! let figures = LoopFigures { period_us: 10_000, budget_us: 1_000, wakes: 200, late: 0, worst_us: 212.0 };
+//! let figures = LoopFigures { period_us: 10_000, budget_us: 1_000, wakes: 200, late: 0, p50_us: 9.0, worst_us: 212.0 };
 //! let answer = "a 10 ms loop with a budget of 1 ms holds (0 of 200 late, worst 212.0 µs)";
 //! assert_eq!(figures.answer(), answer);
 //! ```
@@ -94,6 +94,8 @@ pub struct LoopFigures {
     pub wakes: u64,
     /// Wake-ups that came later than the budget.
     pub late: u64,
+    /// Median of the lateness, µs.
+    pub p50_us: f64,
     /// Largest lateness, µs.
     pub worst_us: f64,
 }
@@ -166,7 +168,7 @@ pub fn measure(loops: &[Loop], seconds: f64) -> (WakeUps, Latencies) {
 }
 
 /// Lateness of the wake-ups of a loop. A late loop owes every instant that it missed.
-fn lateness(period_us: u32, seconds: f64) -> Latencies {
+pub fn lateness(period_us: u32, seconds: f64) -> Latencies {
     let period_ns = i64::from(period_us) * 1_000;
     let count = (seconds * 1e9 / period_ns as f64).ceil() as u64;
     let mut latencies = Latencies::default();
@@ -187,6 +189,7 @@ fn figures(Loop { period_us, budget_us }: Loop, latencies: &Latencies) -> LoopFi
         budget_us,
         wakes: latencies.count(),
         late: latencies.count_above_ns(u64::from(budget_us) * 1_000),
+        p50_us: latencies.percentiles_us().map_or(0.0, |percentiles| percentiles.p50),
         worst_us: latencies.percentiles_us().map_or(0.0, |percentiles| percentiles.max),
     }
 }

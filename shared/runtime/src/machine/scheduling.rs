@@ -224,6 +224,34 @@ pub fn become_ordinary() {
     let _ = set_policy(libc::SCHED_OTHER, 0);
 }
 
+/// Gives the calling thread `SCHED_DEADLINE`: `runtime_ns` of processor time in each `period_ns`. The kernel refuses it
+/// to a thread with a core of its own.
+///
+/// # Errors
+/// Why the machine refuses it.
+pub fn set_deadline(runtime_ns: u64, period_ns: u64) -> io::Result<()> {
+    /// `struct sched_attr` of linux/sched/types.h, and the policy's number.
+    #[repr(C)]
+    struct Attributes {
+        size: u32,
+        policy: u32,
+        flags: u64,
+        nice: i32,
+        priority: u32,
+        times_ns: [u64; 3],
+    }
+    const DEADLINE: u32 = 6;
+    let size = size_of::<Attributes>() as u32;
+    let times_ns = [runtime_ns, period_ns, period_ns];
+    let (policy, flags, nice, priority) = (DEADLINE, 0, 0, 0);
+    let attributes = Attributes { size, policy, flags, nice, priority, times_ns };
+    // SAFETY: `attributes` lives through the call, which only reads it.
+    match unsafe { libc::syscall(libc::SYS_sched_setattr, 0, &raw const attributes, 0) } {
+        0 => Ok(()),
+        _ => Err(io::Error::last_os_error()),
+    }
+}
+
 /// Pins the calling thread to `core`.
 ///
 /// # Errors
