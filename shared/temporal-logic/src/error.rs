@@ -12,9 +12,7 @@ pub struct FormulaError {
     pub column: usize,
     /// Columns concerned.
     pub width: usize,
-    /// The problem there.
     pub problem: Problem,
-    /// The formula.
     pub text: String,
 }
 
@@ -32,7 +30,6 @@ pub enum Problem {
     /// A signal that does not exist.
     #[error("unknown signal \"{name}\", expected one of {}{}", known.join(", "), hint(nearest))]
     UnknownSignal {
-        /// Its name.
         name: String,
         /// The signals that exist.
         known: Vec<&'static str>,
@@ -41,26 +38,14 @@ pub enum Problem {
     },
     /// A sum or a comparison of quantities that do not go together.
     #[error("{left} and {right} cannot be added or compared")]
-    Units {
-        /// Unit on the left.
-        left: Unit,
-        /// Unit on the right.
-        right: Unit,
-    },
-    /// A number in the place of a condition.
+    Units { left: Unit, right: Unit },
     #[error("a number, expected a condition such as gap_m > 2")]
     NumberForCondition,
-    /// A condition in the place of a number.
     #[error("a condition, expected a number or a signal")]
     ConditionForNumber,
     /// A window that is empty or begins in the past.
     #[error("a window from {first_s} s to {last_s} s, expected 0 <= first <= last")]
-    Window {
-        /// Its beginning.
-        first_s: f64,
-        /// Its end.
-        last_s: f64,
-    },
+    Window { first_s: f64, last_s: f64 },
     /// A window that no run is long enough for.
     #[error("the window ends after the run, which lasts {duration_s} s")]
     LongWindow {
@@ -69,10 +54,7 @@ pub enum Problem {
     },
     /// More nesting than a reader could follow.
     #[error("nested more than {most} deep")]
-    Depth {
-        /// The limit.
-        most: usize,
-    },
+    Depth { most: usize },
 }
 
 fn hint(nearest: &Option<&'static str>) -> String {

@@ -1,8 +1,9 @@
 //! The margin of a formula on a trace.
 
-use crate::margin::{Margin, larger, negative, smaller};
+use crate::margin::{
+    Margin, Samples, larger, largest_after, largest_before, least_after, negative, smaller,
+};
 use crate::syntax::{Kind, Window};
-use crate::window::{Samples, largest_after, largest_before, least_after};
 use crate::{Formula, Unit};
 
 /// Sampled signals.

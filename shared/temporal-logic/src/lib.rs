@@ -45,22 +45,18 @@ mod parse;
 mod syntax;
 mod token;
 mod unit;
-mod units;
-mod window;
 
 pub use error::{FormulaError, Problem};
 pub use evaluate::Trace;
 pub use margin::Margin;
 pub use unit::Unit;
 
-use syntax::{Node, NodeId};
+use syntax::{Kind, Node, NodeId};
 
 /// A signal that formulas may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Signal {
-    /// Name in formulas.
     pub name: &'static str,
-    /// Unit of its samples.
     pub unit: Unit,
 }
 
@@ -70,7 +66,6 @@ pub struct Formula {
     text: String,
     nodes: Vec<Node>,
     root: NodeId,
-    /// Units of the nodes.
     units: Vec<Unit>,
 }
 
@@ -82,17 +77,16 @@ impl Formula {
     /// window that ends before it begins.
     pub fn parse(text: &str, signals: &[Signal]) -> Result<Self, FormulaError> {
         let (nodes, root) = parse::formula(text, signals)?;
-        let units = units::check(text, &nodes, root, signals)?;
+        let units = syntax::check(text, &nodes, root, signals)?;
         Ok(Self { text: text.to_owned(), nodes, root, units })
     }
 
-    /// The text that was read.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Unit of the margin. A formula that compares quantities of different units has [`Unit::MIXED`]: its margin
+    /// Unit of the margin. A formula that compares quantities of different units has [`Unit::Mixed`]: its margin
     /// counts tolerances ([`Unit::tolerance`]).
     #[must_use]
     pub fn unit(&self) -> Unit {
@@ -102,7 +96,10 @@ impl Formula {
     /// Indices of the signals that the formula reads, ascending.
     #[must_use]
     pub fn signals(&self) -> Vec<usize> {
-        let of = |node: &Node| node.kind.signal();
+        let of = |node: &Node| match node.kind {
+            Kind::Signal(index) => Some(index),
+            _ => None,
+        };
         let mut read: Vec<usize> = self.nodes.iter().filter_map(of).collect();
         read.sort_unstable();
         read.dedup();

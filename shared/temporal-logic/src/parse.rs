@@ -24,6 +24,9 @@ pub(crate) fn formula(text: &str, signals: &[Signal]) -> Result<(Vec<Node>, Node
     }
 }
 
+/// A word between two parts, and the node that it makes of them.
+type Operator = (Token<'static>, fn(NodeId, NodeId) -> Kind);
+
 struct Reader<'a> {
     text: &'a str,
     tokens: Vec<(Token<'a>, Range<usize>)>,
@@ -38,7 +41,7 @@ impl<'a> Reader<'a> {
         self.deeper(|reader| {
             let left = reader.either()?;
             let place = reader.place();
-            if !reader.take_name("implies") {
+            if !reader.take(Token::Name("implies")) {
                 return Ok(left);
             }
             let right = reader.implied()?;
@@ -47,34 +50,43 @@ impl<'a> Reader<'a> {
     }
 
     fn either(&mut self) -> Result<NodeId, FormulaError> {
-        self.chain(Self::both, "or", Kind::Or)
+        self.chain(Self::both, &[(Token::Name("or"), Kind::Or)])
     }
 
     fn both(&mut self) -> Result<NodeId, FormulaError> {
-        self.chain(Self::until, "and", Kind::And)
+        self.chain(Self::until, &[(Token::Name("and"), Kind::And)])
     }
 
+    fn sum(&mut self) -> Result<NodeId, FormulaError> {
+        let operators: [Operator; 2] =
+            [(Token::Symbol("+"), Kind::Sum), (Token::Symbol("-"), Kind::Difference)];
+        self.chain(Self::product, &operators)
+    }
+
+    fn product(&mut self) -> Result<NodeId, FormulaError> {
+        self.chain(Self::factor, &[(Token::Symbol("*"), Kind::Product)])
+    }
+
+    /// Parts joined by operators of one rank, from left to right.
     fn chain(
         &mut self,
         part: fn(&mut Self) -> Result<NodeId, FormulaError>,
-        word: &str,
-        kind: fn(NodeId, NodeId) -> Kind,
+        operators: &[Operator],
     ) -> Result<NodeId, FormulaError> {
         let mut left = part(self)?;
-        loop {
+        while let Some((_, kind)) = operators.iter().find(|(word, _)| self.peek() == *word) {
             let place = self.place();
-            if !self.take_name(word) {
-                return Ok(left);
-            }
+            self.advance();
             let right = part(self)?;
             left = self.node(kind(left, right), place);
         }
+        Ok(left)
     }
 
     fn until(&mut self) -> Result<NodeId, FormulaError> {
         let left = self.prefixed()?;
         let place = self.place();
-        if !self.take_name("until") {
+        if !self.take(Token::Name("until")) {
             return Ok(left);
         }
         let window = self.window()?;
@@ -116,33 +128,6 @@ impl<'a> Reader<'a> {
         Ok(self.node(kind, place))
     }
 
-    fn sum(&mut self) -> Result<NodeId, FormulaError> {
-        let mut left = self.product()?;
-        loop {
-            let place = self.place();
-            let kind: fn(NodeId, NodeId) -> Kind = match self.peek() {
-                Token::Symbol("+") => Kind::Sum,
-                Token::Symbol("-") => Kind::Difference,
-                _ => return Ok(left),
-            };
-            self.advance();
-            let right = self.product()?;
-            left = self.node(kind(left, right), place);
-        }
-    }
-
-    fn product(&mut self) -> Result<NodeId, FormulaError> {
-        let mut left = self.factor()?;
-        loop {
-            let place = self.place();
-            if !self.take_symbol("*") {
-                return Ok(left);
-            }
-            let right = self.factor()?;
-            left = self.node(Kind::Product(left, right), place);
-        }
-    }
-
     fn factor(&mut self) -> Result<NodeId, FormulaError> {
         let place = self.place();
         match self.peek() {
@@ -181,7 +166,7 @@ impl<'a> Reader<'a> {
 
     fn window(&mut self) -> Result<Window, FormulaError> {
         let begin = self.place().start;
-        if !self.take_symbol("[") {
+        if !self.take(Token::Symbol("[")) {
             return Ok(Window::ALL);
         }
         let first_s = self.seconds()?;
@@ -256,16 +241,9 @@ impl<'a> Reader<'a> {
         self.at = (self.at + 1).min(self.tokens.len() - 1);
     }
 
-    fn take_name(&mut self, name: &str) -> bool {
-        let there = self.peek() == Token::Name(name);
-        if there {
-            self.advance();
-        }
-        there
-    }
-
-    fn take_symbol(&mut self, symbol: &'static str) -> bool {
-        let there = self.peek() == Token::Symbol(symbol);
+    /// Goes on if the next word is this one.
+    fn take(&mut self, word: Token<'_>) -> bool {
+        let there = self.peek() == word;
         if there {
             self.advance();
         }
@@ -273,7 +251,7 @@ impl<'a> Reader<'a> {
     }
 
     fn expect(&mut self, symbol: &'static str, cited: &'static str) -> Result<(), FormulaError> {
-        if self.take_symbol(symbol) { Ok(()) } else { Err(self.unexpected(cited)) }
+        if self.take(Token::Symbol(symbol)) { Ok(()) } else { Err(self.unexpected(cited)) }
     }
 
     fn unexpected(&self, expected: &'static str) -> FormulaError {

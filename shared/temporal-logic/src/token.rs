@@ -3,12 +3,10 @@
 use crate::error::{FormulaError, Problem};
 use std::ops::Range;
 
-/// A word.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Token<'a> {
     Name(&'a str),
     Number(f64),
-    /// One of [`SYMBOLS`].
     Symbol(&'static str),
     End,
 }

@@ -2,14 +2,10 @@
 
 use std::fmt;
 
-/// A unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// A product of powers.
     Powers {
-        /// Power of the metre.
         metre: i8,
-        /// Power of the second.
         second: i8,
     },
     /// A plain number's: it fits every unit, as 1.5 does in `1.5 * speed_mps` and in `gap_m > 1.5`.
@@ -19,10 +15,6 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Plain numbers.
-    pub const ANY: Self = Self::Any;
-    /// Several units side by side.
-    pub const MIXED: Self = Self::Mixed;
     /// Counts and flags.
     pub const ONE: Self = Self::Powers { metre: 0, second: 0 };
     /// m.
@@ -117,6 +109,6 @@ mod tests {
     fn a_speed_times_a_time_is_a_length() {
         assert_eq!(Unit::METRE_PER_SECOND.times(Unit::SECOND), Unit::METRE);
         assert_eq!(Unit::METRE.with(Unit::SECOND), None);
-        assert_eq!(Unit::METRE.with(Unit::ANY), Some(Unit::METRE));
+        assert_eq!(Unit::METRE.with(Unit::Any), Some(Unit::METRE));
     }
 }

@@ -63,7 +63,7 @@ fn a_window_beyond_the_run_is_refused() {
 #[test]
 fn margins_of_several_units_count_tolerances() {
     let formula = Formula::parse("gap_m > 2 and time_gap_s > 1", &SIGNALS).expect("reads");
-    assert_eq!(formula.unit(), Unit::MIXED);
+    assert_eq!(formula.unit(), Unit::Mixed);
     let trace = temporal_logic::Trace { period_s: 0.01, samples: vec![&[3.0], &[0.0], &[1.5]] };
     // 1 m is two tolerances, 0.5 s five.
     assert_eq!(formula.margin(&trace).value, 2.0);
