@@ -2,12 +2,13 @@
 
 use crate::build::Builder;
 use crate::cell::{CELL_M, Cell, Place, after};
-use crate::check::uncrossed;
-use crate::{AxisError, Laid, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M, MIN_RADIUS_M, Piece, Pose};
+use crate::{
+    AxisError, AxisFault, CROSSING_WITHIN_M, Laid, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M, MIN_RADIUS_M,
+    Piece, Pose,
+};
 
 /// Most steps of a projection; three are usual.
 const MAX_STEPS: u32 = 40;
-/// Longest step of a projection, m.
 const LONGEST_STEP_M: f64 = 20.0;
 /// Distances that differ by less than this are the same, m.
 const SAME_M: f64 = 1e-6;
@@ -17,6 +18,8 @@ const LAST_STEP_M: f64 = 1e-9;
 const MIN_RATE: f64 = 0.1;
 /// A line whose start differs by less than this from the straight beginning goes on with it, m and rad.
 const STRAIGHT: f64 = 1e-9;
+/// Length of the chords that stand for the axis, m.
+const CHORD_M: f64 = 5.0;
 
 /// The axis of a road. It begins at (0, 0, 0) and goes on straight outside its ends.
 ///
@@ -73,7 +76,7 @@ impl Axis {
         min_radius_m: f64,
     ) -> Result<Self, AxisError> {
         if pieces.len() == 0 {
-            return Err(AxisError::Empty);
+            return Err(AxisFault::Empty.of(0));
         }
         let mut builder = Builder { min_radius_m, ..Builder::new() };
         let (mut end, mut straight_m) = (Pose::default(), 0.0);
@@ -82,7 +85,7 @@ impl Axis {
             piece.check(number)?;
             let length_m = builder.length_m + piece.length_m();
             if length_m > MAX_LENGTH_M {
-                return Err(AxisError::Length { piece: number, length_m });
+                return Err(AxisFault::Length(length_m).of(number));
             }
             let start = match start {
                 Some(start) => joined(&start, &end, number, MAX_KINK_RAD)?,
@@ -131,13 +134,11 @@ impl Axis {
         Ok(axis)
     }
 
-    /// Its length, m.
     #[must_use]
     pub fn length_m(&self) -> f64 {
         self.length_m
     }
 
-    /// True if it is one straight line.
     #[must_use]
     pub fn is_straight(&self) -> bool {
         self.straight_m == f64::INFINITY
@@ -282,16 +283,53 @@ pub(crate) fn joined(
     max_kink_rad: f64,
 ) -> Result<Pose, AxisError> {
     if !start.is_finite() {
-        return Err(AxisError::NotFinite { piece });
+        return Err(AxisFault::NotFinite.of(piece));
     }
     let gap_m = libm::hypot(start.x_m - end.x_m, start.y_m - end.y_m);
     if gap_m > MAX_GAP_M {
-        return Err(AxisError::Gap { piece, gap_m });
+        return Err(AxisFault::Gap(gap_m).of(piece));
     }
     let turn = start.heading_rad - end.heading_rad;
     let kink_rad = libm::remainder(turn, std::f64::consts::TAU);
     if kink_rad.abs() > max_kink_rad {
-        return Err(AxisError::Kink { piece, kink_rad });
+        return Err(AxisFault::Kink(kink_rad).of(piece));
     }
     Ok(Pose { heading_rad: end.heading_rad + kink_rad, ..*start })
+}
+
+/// Checks that branches near each other along an axis of `length_m` do not cross. Its pieces begin at `starts`.
+fn uncrossed(length_m: f64, starts: &[f64], pose: impl Fn(f64) -> Pose) -> Result<(), AxisError> {
+    let chords = libm::ceil(length_m / CHORD_M) as usize;
+    let window = (CROSSING_WITHIN_M / CHORD_M) as usize;
+    let at = |i: usize| pose((CHORD_M * i as f64).min(length_m));
+    let poses: Vec<_> = (0..=chords).map(at).collect();
+    for i in 0..chords {
+        let (mut least, mut most) = (poses[i].heading_rad, poses[i].heading_rad);
+        for j in i + 1..chords.min(i + window + 1) {
+            for pose in &poses[j..=j + 1] {
+                least = least.min(pose.heading_rad);
+                most = most.max(pose.heading_rad);
+            }
+            // A curve that turns by less than half a circle cannot meet itself.
+            if most - least < std::f64::consts::PI || j == i + 1 {
+                continue;
+            }
+            let ends = [&poses[i], &poses[i + 1], &poses[j], &poses[j + 1]].map(|p| (p.x_m, p.y_m));
+            if cross(ends) {
+                let (first_m, second_m) = (CHORD_M * i as f64, CHORD_M * j as f64);
+                let begun = starts.partition_point(|start| *start <= second_m);
+                let piece = begun.saturating_sub(1);
+                return Err(AxisFault::Crossing { first_m, second_m }.of(piece));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// True if the chords `a b` and `c d` cross.
+fn cross([a, b, c, d]: [(f64, f64); 4]) -> bool {
+    let side = |p: (f64, f64), q: (f64, f64), r: (f64, f64)| {
+        (q.0 - p.0) * (r.1 - p.1) - (q.1 - p.1) * (r.0 - p.0)
+    };
+    side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0
 }

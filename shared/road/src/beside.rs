@@ -11,9 +11,8 @@
 use crate::axis::{goes_on, joined};
 use crate::build::Builder;
 use crate::piece::Piece;
-use crate::quadrature::integrate;
-use crate::smooth::{Smooth, State};
-use crate::{Axis, AxisError, MAX_SHIFT_RAD, Pose, Profile};
+use crate::smooth::{Smooth, State, integrate};
+use crate::{Axis, AxisError, AxisFault, MAX_SHIFT_RAD, Pose, Profile};
 
 /// Most steps of Newton's method.
 const MAX_STEPS: u32 = 20;
@@ -32,7 +31,6 @@ struct Beside<'a> {
     start: Pose,
 }
 
-/// One point of the curve.
 struct Point {
     pose: Pose,
     speed: f64,
@@ -206,7 +204,7 @@ impl Axis {
                 end = builder.add(&beside, number, start)?;
             }
         }
-        let origin = origin.ok_or(AxisError::Empty)?;
+        let origin = origin.ok_or(AxisFault::Empty.of(0))?;
         Ok((Self::of(builder, starts, end, straight_m)?, origin))
     }
 }

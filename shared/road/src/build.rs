@@ -2,7 +2,7 @@
 
 use crate::cell::{CELL_M, Cell, after};
 use crate::smooth::{Smooth, State};
-use crate::{AxisError, MIN_RADIUS_M, Pose};
+use crate::{AxisError, AxisFault, MIN_RADIUS_M, Pose};
 
 /// Largest number of halvings of a cubic's cell: 5 m / 2^8 is 2 cm.
 const MAX_HALVINGS: u32 = 8;
@@ -24,7 +24,6 @@ pub struct Builder {
 struct Piece<'a> {
     smooth: &'a dyn Smooth,
     number: usize,
-    /// Its beginning.
     start: Pose,
     from_m: f64,
     min_radius_m: f64,
@@ -48,15 +47,15 @@ impl Piece<'_> {
     }
 
     fn check(&self, state: &State) -> Result<(), AxisError> {
-        let piece = self.number;
         if !state.pose.is_finite()
             || !state.curvature_perm.is_finite()
             || !state.rate_perm2.is_finite()
         {
-            return Err(AxisError::Cusp { piece });
+            return Err(AxisFault::Cusp.of(self.number));
         }
         if state.curvature_perm.abs() * self.min_radius_m > ROUNDING {
-            return Err(AxisError::Radius { piece, radius_m: 1.0 / state.curvature_perm.abs() });
+            let radius_m = 1.0 / state.curvature_perm.abs();
+            return Err(AxisFault::Radius(radius_m).of(self.number));
         }
         Ok(())
     }
@@ -112,13 +111,13 @@ impl Builder {
         };
         if !piece.smooth.is_clothoid() && (misses(state) || misses(&end)) {
             if halvings == MAX_HALVINGS {
-                return Err(AxisError::Cusp { piece: piece.number });
+                return Err(AxisFault::Cusp.of(piece.number));
             }
             self.part(piece, state, middle.q_m, halvings + 1)?;
             return self.part(piece, &middle, end_m, halvings + 1);
         }
         if self.cells.len() == MAX_CELLS {
-            return Err(AxisError::Cusp { piece: piece.number });
+            return Err(AxisFault::Cusp.of(piece.number));
         }
         self.cells.push(cell);
         Ok(end)

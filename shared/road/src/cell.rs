@@ -2,7 +2,6 @@
 
 use crate::Pose;
 
-/// Longest cell, m.
 pub const CELL_M: f64 = 5.0;
 
 /// A stretch of at most 5 m, as a series from its middle.
@@ -22,15 +21,11 @@ pub(crate) struct Cell {
 /// A place on the axis or beside it.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    /// x, m.
     pub x_m: f64,
-    /// y, m.
     pub y_m: f64,
     /// Heading of the axis, rad; not wrapped.
     pub heading_rad: f64,
-    /// Its cosine.
     pub cos: f64,
-    /// Its sine.
     pub sin: f64,
     /// Curvature of the axis, 1/m.
     pub curvature_perm: f64,

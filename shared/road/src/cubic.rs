@@ -4,8 +4,7 @@
 //! `√(u'² + v'²)`. A parameter that is proportional to the length is off by millimetres on real roads.
 
 use crate::Pose;
-use crate::quadrature::integrate;
-use crate::smooth::{Smooth, State};
+use crate::smooth::{Smooth, State, integrate};
 
 /// Largest difference of true and declared length that stays at the end of a cubic, m. A larger one is spread
 /// over the cubic, so that no gap arises.

@@ -20,7 +20,6 @@ pub struct Lanes {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Section {
-    /// Its start, m.
     pub from_m: f64,
     /// Its lanes from right to left.
     pub lanes: Vec<Lane>,
@@ -28,7 +27,6 @@ pub struct Section {
     pub left: usize,
 }
 
-/// A lane of a section.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lane {
@@ -49,7 +47,6 @@ pub struct Lane {
 /// A lane at one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strip {
-    /// Its id.
     pub id: i32,
     /// Its place among the lanes of its section, from the right.
     pub index: usize,
@@ -57,7 +54,6 @@ pub struct Strip {
     pub is_left: bool,
     /// Its middle, to the left of the reference line, m.
     pub center_m: f64,
-    /// Its width, m.
     pub width_m: f64,
     /// Vehicles may drive on it.
     pub drivable: bool,

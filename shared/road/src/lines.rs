@@ -41,7 +41,6 @@ impl LaneLines {
         self.stations.is_empty()
     }
 
-    /// The stations.
     #[must_use]
     pub fn stations(&self) -> &[Vec<f64>] {
         &self.stations
@@ -63,17 +62,10 @@ impl LaneLines {
     /// The right and the left edge at a place, m; `None` without stations. Beyond the ends they stay as they are.
     #[must_use]
     pub fn edges_m(&self, p_m: f64) -> Option<[f64; 2]> {
-        let next = self.stations.partition_point(|station| station[0] <= p_m);
         let edges = |station: &Vec<f64>| [station[1], station[station.len() - 1]];
-        match (next.checked_sub(1).map(|before| &self.stations[before]), self.stations.get(next)) {
-            (Some(a), Some(b)) => {
-                let share = (p_m - a[0]) / (b[0] - a[0]);
-                let (from, to) = (edges(a), edges(b));
-                Some([0, 1].map(|side| from[side] + share * (to[side] - from[side])))
-            }
-            (Some(station), None) | (None, Some(station)) => Some(edges(station)),
-            (None, None) => None,
-        }
+        let (a, b, share) = around(&self.stations, |station| station[0], p_m)?;
+        let (from, to) = (edges(a), edges(b));
+        Some([0, 1].map(|side| from[side] + share * (to[side] - from[side])))
     }
 
     /// The lines between two places as points `[p, l]`, m. Each stretch with one number of lines has these from right
@@ -118,13 +110,17 @@ impl LaneLines {
 /// ```
 #[must_use]
 pub fn offset_at(line: &[[f64; 2]], p_m: f64) -> f64 {
-    let next = line.partition_point(|point| point[0] <= p_m);
-    match (next.checked_sub(1).map(|before| line[before]), line.get(next)) {
-        (Some([from_m, a_m]), Some([to_m, b_m])) => {
-            a_m + (p_m - from_m) / (to_m - from_m) * (b_m - a_m)
-        }
-        (Some([_, l_m]), None) | (None, Some(&[_, l_m])) => l_m,
-        (None, None) => 0.0,
+    let found = around(line, |point| point[0], p_m);
+    found.map_or(0.0, |([_, a_m], [_, b_m], share)| a_m + share * (b_m - a_m))
+}
+
+/// The two of a sorted list around a place, and the share of the way between them. Beyond an end it is the last one.
+pub(crate) fn around<T>(list: &[T], at: impl Fn(&T) -> f64, p_m: f64) -> Option<(&T, &T, f64)> {
+    let next = list.partition_point(|item| at(item) <= p_m);
+    match (next.checked_sub(1).map(|before| &list[before]), list.get(next)) {
+        (Some(a), Some(b)) => Some((a, b, (p_m - at(a)) / (at(b) - at(a)))),
+        (Some(end), None) | (None, Some(end)) => Some((end, end, 0.0)),
+        (None, None) => None,
     }
 }
 

@@ -3,9 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::cubic::Parametric;
-use crate::quadrature::integrate;
-use crate::smooth::{Smooth, State};
-use crate::{AxisError, MAX_LENGTH_M, Pose};
+use crate::smooth::{Smooth, State, integrate};
+use crate::{AxisError, AxisFault, MAX_LENGTH_M, Pose};
 
 /// Largest difference between declared and true length of a cubic, as a share.
 const MAX_DECLARED: f64 = 0.1;
@@ -14,21 +13,16 @@ const MAX_DECLARED: f64 = 0.1;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Piece {
-    /// A straight line.
     Line {
-        /// Length, m.
         length_m: f64,
     },
-    /// An arc.
     Arc {
-        /// Length, m.
         length_m: f64,
         /// Curvature, 1/m, positive to the left.
         curvature_perm: f64,
     },
     /// A clothoid: the curvature changes evenly.
     Spiral {
-        /// Length, m.
         length_m: f64,
         /// Curvature at its start, 1/m.
         start_perm: f64,
@@ -61,7 +55,6 @@ pub enum Piece {
 pub struct Laid {
     /// Its first point, and the direction of the curve there.
     pub start: Pose,
-    /// The piece.
     pub piece: Piece,
 }
 
@@ -112,7 +105,6 @@ impl Smooth for Clothoid {
 }
 
 impl Piece {
-    /// Its length, m.
     #[must_use]
     pub fn length_m(&self) -> f64 {
         match *self {
@@ -173,19 +165,19 @@ impl Piece {
                 Self::ParamCubic { u, v, end, .. } => finite(u) && finite(v) && end.is_finite(),
             };
         if !is_finite {
-            return Err(AxisError::NotFinite { piece });
+            return Err(AxisFault::NotFinite.of(piece));
         }
         if length_m <= 0.0 || length_m > MAX_LENGTH_M {
-            return Err(AxisError::Length { piece, length_m });
+            return Err(AxisFault::Length(length_m).of(piece));
         }
         if let Self::ParamCubic { end, .. } = self
             && *end <= 0.0
         {
-            return Err(AxisError::Cusp { piece });
+            return Err(AxisFault::Cusp.of(piece));
         }
         let true_m = self.true_length_m();
         if !((true_m / length_m - 1.0).abs() <= MAX_DECLARED) {
-            return Err(AxisError::Declared { piece, length_m, true_m });
+            return Err(AxisFault::Declared { length_m, true_m }.of(piece));
         }
         Ok(())
     }

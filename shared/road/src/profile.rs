@@ -75,7 +75,6 @@ impl Profile {
         }
     }
 
-    /// Its stretches in order.
     #[must_use]
     pub fn stretches(&self) -> &[Stretch] {
         &self.stretches
@@ -180,7 +179,6 @@ impl Profile {
         self
     }
 
-    /// Its negative.
     #[must_use]
     pub fn negated(mut self) -> Self {
         for stretch in &mut self.stretches {

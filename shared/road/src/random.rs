@@ -29,7 +29,6 @@ pub struct Recipe {
     pub length_m: f64,
     /// Smallest radius, m; at least 20.
     pub min_radius_m: f64,
-    /// Largest radius, m.
     pub max_radius_m: f64,
     /// Shortest and longest spiral, m; shorter ones where a turn leaves no room, none if both are 0.
     pub spiral_m: [f64; 2],

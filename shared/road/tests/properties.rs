@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use road::random::{Recipe, pieces};
-use road::{Axis, AxisError, Laid, Piece, Pose};
+use road::{Axis, AxisError, AxisFault, Laid, Piece, Pose};
 
 const RECIPE: Recipe =
     Recipe { length_m: 3e3, min_radius_m: 60.0, max_radius_m: 2e3, spiral_m: [30.0, 200.0] };
@@ -142,20 +142,27 @@ fn a_road_that_cannot_be_driven_is_refused_with_its_piece() {
     let line = Piece::Line { length_m: 100.0 };
     let arc = |length_m, curvature_perm| Piece::Arc { length_m, curvature_perm };
     let refused = |pieces: &[Piece]| Axis::new(pieces).expect_err("no road");
-    assert_eq!(refused(&[]), AxisError::Empty);
-    assert_eq!(refused(&[line, arc(10.0, f64::NAN)]), AxisError::NotFinite { piece: 1 });
-    assert_eq!(refused(&[line, arc(0.0, 0.0)]), AxisError::Length { piece: 1, length_m: 0.0 });
-    assert_eq!(refused(&[arc(1.0, -0.1)]), AxisError::Radius { piece: 0, radius_m: 10.0 });
+    let of = |piece, fault| AxisError { piece, fault };
+    assert_eq!(refused(&[]), of(0, AxisFault::Empty));
+    assert_eq!(refused(&[line, arc(10.0, f64::NAN)]), of(1, AxisFault::NotFinite));
+    assert_eq!(refused(&[line, arc(0.0, 0.0)]), of(1, AxisFault::Length(0.0)));
+    assert_eq!(refused(&[arc(1.0, -0.1)]), of(0, AxisFault::Radius(10.0)));
     let narrow = Piece::Spiral { length_m: 9.0, start_perm: 0.0, end_perm: 0.1 };
-    assert!(matches!(refused(&[line, narrow]), AxisError::Radius { piece: 1, .. }));
+    assert!(matches!(
+        refused(&[line, narrow]),
+        AxisError { piece: 1, fault: AxisFault::Radius(_) }
+    ));
     let cusp =
         Piece::ParamCubic { length_m: 10.0, u: [0.0, 0.0, 10.0, 0.0], v: [0.0; 4], end: 1.0 };
-    assert_eq!(refused(&[cusp]), AxisError::Cusp { piece: 0 });
+    assert_eq!(refused(&[cusp]), of(0, AxisFault::Cusp));
     let long =
         Piece::ParamCubic { length_m: 12.0, u: [0.0, 10.0, 0.0, 0.0], v: [0.0; 4], end: 1.0 };
-    assert!(matches!(refused(&[long]), AxisError::Declared { piece: 0, .. }));
+    assert!(matches!(refused(&[long]), AxisError { piece: 0, fault: AxisFault::Declared { .. } }));
     // A whole circle of 25 m radius meets itself after 157 m, one of 40 m after 251 m.
-    assert!(matches!(refused(&[line, arc(170.0, 0.04)]), AxisError::Crossing { piece: 1, .. }));
+    assert!(matches!(
+        refused(&[line, arc(170.0, 0.04)]),
+        AxisError { piece: 1, fault: AxisFault::Crossing { .. } }
+    ));
     assert!(Axis::new(&[line, arc(300.0, 0.025)]).is_ok());
 }
 
@@ -169,9 +176,12 @@ fn gaps_and_kinks_of_laid_pieces_are_refused() {
     assert!(lines(15.0, 5.0, 0.0).expect("no gap").is_straight());
     assert!(lines(15.0, 5.0, std::f64::consts::TAU).is_ok(), "headings are angles");
     assert!(
-        matches!(lines(15.2, 5.0, 0.0), Err(AxisError::Gap { piece: 1, gap_m }) if (gap_m - 0.2).abs() < 1e-9)
+        matches!(lines(15.2, 5.0, 0.0), Err(AxisError { piece: 1, fault: AxisFault::Gap(gap_m) }) if (gap_m - 0.2).abs() < 1e-9)
     );
-    assert!(matches!(lines(15.0, 5.0, 0.1), Err(AxisError::Kink { piece: 1, .. })));
+    assert!(matches!(
+        lines(15.0, 5.0, 0.1),
+        Err(AxisError { piece: 1, fault: AxisFault::Kink(_) })
+    ));
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! Take the mean over a window of length `R` of a grade that is constant by pieces. It is continuous and changes by at
 //! most `2 g_max / R` per metre. The window is the length of the vertical curves, so the curvature is bounded.
 
-use super::profile::{GradeProfile, Point};
+use super::{GradeProfile, Point};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -16,11 +16,9 @@ const FINE_M: f64 = 5.0;
 /// Recipe of a generated road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {
-    /// Length, m.
     pub length_m: f64,
     /// Standard deviation of the tangents' grades.
     pub grade_sigma: f64,
-    /// Largest grade.
     pub max_grade: f64,
     /// Shortest and longest tangent, m.
     pub tangent_m: [f64; 2],

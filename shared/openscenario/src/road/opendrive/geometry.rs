@@ -77,7 +77,7 @@ impl<'a> Line<'a> {
 
     pub fn axis(&self, text: Text<'_>) -> Result<Axis, ReadError> {
         Axis::laid(&self.pieces).map_err(|error| {
-            let element = self.elements[error.piece().min(self.elements.len() - 1)];
+            let element = self.elements[error.piece.min(self.elements.len() - 1)];
             text.meaning(element, error.to_string(), error.expected())
         })
     }
