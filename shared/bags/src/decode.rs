@@ -13,7 +13,6 @@ pub(crate) enum Encoding {
     Cdr,
     /// ROS 1: little-endian without gaps, with its definition.
     Ros1,
-    /// JSON text.
     Json,
     /// Another encoding, by name.
     Other(String),

@@ -7,7 +7,6 @@ pub(crate) const DEEPEST: usize = 32;
 /// Most paths that are listed of a type.
 const MOST_PATHS: usize = 500;
 
-/// A scalar type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scalar {
     /// Signed whole number of this many bytes.
@@ -16,7 +15,6 @@ pub(crate) enum Scalar {
     Unsigned(usize),
     /// Floating-point number of this many bytes.
     Float(usize),
-    /// Text.
     Text,
     /// ROS 1: seconds and nanoseconds, unsigned.
     Time,

@@ -21,14 +21,10 @@ const EARLIER: [(&[u8], &str, &str); 2] = [
 /// First bytes of a file, which say what it is.
 const FIRST: usize = 16;
 
-/// A topic of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topic {
-    /// Name.
     pub name: String,
-    /// Type of the messages.
     pub type_name: String,
-    /// Number of messages.
     pub messages: u64,
     /// Paths of the numbers in a message; empty where the definition is not read.
     pub fields: Vec<String>,
@@ -54,7 +50,6 @@ impl Row {
 /// The numbers of one topic, in the order of the log times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Type of the messages.
     pub type_name: String,
     /// A row for each message.
     pub rows: Vec<Row>,
@@ -186,7 +181,6 @@ fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result<(), BagErr
     })
 }
 
-/// Collects the topics.
 #[derive(Default)]
 struct Listing(BTreeMap<u16, Topic>);
 

@@ -41,9 +41,7 @@ const REPLACED: &str = "PARAMETERS_REPLACED";
 /// A figure by which effects are judged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Name.
     pub name: Cow<'static, str>,
-    /// Unit.
     pub unit: &'static str,
     /// Form of a change, and the smallest one that counts.
     pub change: Change,
@@ -54,9 +52,7 @@ pub struct Figure {
 pub enum Change {
     /// The new value beside the usual one.
     Value(f64),
-    /// The difference.
     Difference(f64),
-    /// The difference, in percent.
     Percent(f64),
 }
 

@@ -45,12 +45,9 @@ mod varied;
 
 pub use varied::Varied;
 
-/// A row of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Name of the field.
     pub name: &'static str,
-    /// Unit.
     pub unit: &'static str,
     /// Least and greatest value that makes sense.
     pub range: (f64, f64),

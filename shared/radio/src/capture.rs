@@ -43,7 +43,6 @@ pub enum CaptureError {
     LinkType {
         /// Number of the packet, from 1.
         packet: u64,
-        /// Number of the link type.
         link_type: i32,
     },
     /// A block cannot be read.
@@ -51,7 +50,6 @@ pub enum CaptureError {
     Block {
         /// Number of packets before it.
         packets: u64,
-        /// The fault.
         reason: String,
     },
     /// Packets of a pcapng capture are in blocks without a stamp.
@@ -62,7 +60,6 @@ pub enum CaptureError {
     Unstamped {
         /// Number of packets without a stamp.
         unstamped: u64,
-        /// Number of packets.
         packets: u64,
     },
     /// No packet is a frame.
@@ -268,7 +265,6 @@ impl Capture {
         self.frames.first().map_or(0, |first| first.0).saturating_add(now_ns)
     }
 
-    /// Number of its frames.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.frames.len()

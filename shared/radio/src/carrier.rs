@@ -26,7 +26,6 @@ pub enum Role {
     Vehicle,
 }
 
-/// An open carrier.
 #[derive(Debug)]
 pub struct Carrier {
     address: CarrierAddress,
@@ -129,7 +128,6 @@ impl Carrier {
         }
     }
 
-    /// The played capture, if there is one.
     #[must_use]
     pub fn capture(&self) -> Option<&Capture> {
         match &self.kind {

@@ -40,7 +40,6 @@ pub struct ClockDifference {
     pub uncertainty_ns: i64,
 }
 
-/// Result of a comparison of clocks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClockComparison {
     /// The other clock minus the own one, us.

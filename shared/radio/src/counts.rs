@@ -17,7 +17,6 @@ pub(crate) struct Counts {
 /// Counts of a carrier's frames.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RadioReport {
-    /// The carrier's address.
     pub carrier: String,
     /// Frames passed to the network.
     pub sent: u64,
@@ -38,7 +37,6 @@ pub struct RadioReport {
 pub struct StationReport {
     /// Number of the sender in hexadecimal digits, random at each start.
     pub sender: String,
-    /// Frames received.
     pub received: u64,
     /// Frames between the first and the last received one that did not arrive.
     pub lost: u64,

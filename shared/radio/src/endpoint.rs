@@ -7,7 +7,6 @@ use std::time::Duration;
 /// Origin of a packet, for questions to its sender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
-    /// A socket.
     Socket(SocketAddr),
     /// A member of the same zenoh network.
     #[cfg(feature = "zenoh")]
@@ -21,7 +20,6 @@ pub(crate) enum Received {
     Packet(usize, Origin),
     /// No packet: the time is over, or the wait was interrupted.
     Nothing,
-    /// The carrier was closed.
     Closed,
 }
 

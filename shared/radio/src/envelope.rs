@@ -32,7 +32,6 @@ pub(crate) struct Envelope {
     pub(crate) start_ns: Option<i64>,
 }
 
-/// Content of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Content<'a> {
     Frame(&'a [u8]),
@@ -40,7 +39,6 @@ pub(crate) enum Content<'a> {
     Answer { to: u64, asked_ns: i64, heard_ns: i64 },
 }
 
-/// A parsed packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Packet<'a> {
     /// A packet of timegap.

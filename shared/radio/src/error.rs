@@ -10,42 +10,22 @@ use std::path::PathBuf;
 pub enum OpenError {
     /// The address is not available.
     #[error("cannot listen on {address}: {source}")]
-    Bind {
-        /// The address.
-        address: SocketAddr,
-        /// The kernel's error.
-        source: io::Error,
-    },
+    Bind { address: SocketAddr, source: io::Error },
     /// The group cannot be joined.
     #[error(
         "cannot join the multicast group {address}: {source}; name the interface, as in \
          udp://{address}?interface=eth0"
     )]
-    Join {
-        /// The group.
-        address: SocketAddr,
-        /// The kernel's error.
-        source: io::Error,
-    },
+    Join { address: SocketAddr, source: io::Error },
     /// The interface does not exist.
     #[error("no network interface `{name}`: {source}")]
-    Interface {
-        /// Its name.
-        name: String,
-        /// The kernel's error.
-        source: io::Error,
-    },
+    Interface { name: String, source: io::Error },
     /// A socket or a thread cannot be set up.
     #[error("cannot set up the carrier: {0}")]
     SetUp(#[source] io::Error),
     /// The capture cannot be played.
     #[error("{}: {source}", path.display())]
-    Capture {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: CaptureError,
-    },
+    Capture { path: PathBuf, source: CaptureError },
     /// A capture is read-only.
     #[error("a capture cannot be sent to: use udp:// or zenoh")]
     CaptureIsNoTarget,
@@ -57,7 +37,6 @@ pub enum OpenError {
     /// zenoh's configuration cannot be read.
     #[error("zenoh's configuration {}: {reason}", path.display())]
     ZenohConfiguration {
-        /// The file.
         path: PathBuf,
         /// zenoh's error.
         reason: String,
@@ -73,7 +52,6 @@ pub enum OpenError {
 /// Reason why a frame was not sent; it is also counted.
 #[derive(Debug, thiserror::Error)]
 pub enum SendError {
-    /// The frame is too long.
     #[error("a frame of {0} bytes, expected at most {max}", max = crate::MAX_FRAME)]
     TooLong(usize),
     /// No station is known yet.
@@ -82,7 +60,6 @@ pub enum SendError {
     /// The queue to the network is full.
     #[error("the queue to the network is full")]
     Full,
-    /// The kernel refused it.
     #[error("the kernel refused the frame: {0}")]
     Kernel(#[source] io::Error),
     /// A capture is not sent to.

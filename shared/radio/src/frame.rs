@@ -5,7 +5,6 @@ use crate::clock::ClockDifference;
 /// Longest frame, bytes.
 pub const MAX_FRAME: usize = 1500;
 
-/// A received frame.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Frame {
     pub(crate) bytes: [u8; MAX_FRAME],
@@ -49,7 +48,6 @@ impl Frame {
         Some((self.received_ns - (sent_ns - clock.offset_ns), clock.uncertainty_ns))
     }
 
-    /// The frame's bytes.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.bytes[..usize::from(self.length)]

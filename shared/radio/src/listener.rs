@@ -11,13 +11,11 @@ use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Longest wait for a packet.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
 /// Identity of this end of the carrier.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Identity {
-    /// Its number.
     pub(crate) sender: u64,
     /// The wall clock at its run time 0; only roadside units have one and answer questions.
     pub(crate) start_ns: Option<i64>,

@@ -135,7 +135,6 @@ pub(crate) struct ZenohEndpoint {
     heard: Receiver<Arrival>,
     questions: Publisher<'static>,
     session: Session,
-    /// Its keys.
     keys: [String; 2],
     arrivals: SyncSender<Arrival>,
     shared: Arc<Shared>,

@@ -107,11 +107,9 @@ pub fn head(head: &[u8]) -> Result<(u8, u64), Malformed> {
 pub struct Schema<'a> {
     /// Number in the file.
     pub id: u16,
-    /// Name of the type.
     pub name: &'a str,
     /// Language of the definition.
     pub encoding: &'a str,
-    /// The definition itself.
     pub definition: &'a [u8],
 }
 
@@ -131,9 +129,7 @@ pub struct Channel<'a> {
     pub id: u16,
     /// Number of the type; 0 if there is none.
     pub schema: u16,
-    /// Name of the topic.
     pub topic: &'a str,
-    /// Encoding of the payloads.
     pub encoding: &'a str,
 }
 
@@ -148,7 +144,6 @@ pub fn channel(body: &[u8]) -> Result<Channel<'_>, Malformed> {
 /// Header of a message's payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MessageHead {
-    /// Number of the channel.
     pub channel: u16,
     /// Time of recording, ns since 1970.
     pub log_time: u64,
@@ -174,7 +169,6 @@ pub struct Chunk<'a> {
     pub checksum: u32,
     /// Name of the compression; empty if there is none.
     pub compression: &'a str,
-    /// The packed records.
     pub packed: &'a [u8],
 }
 
@@ -197,13 +191,11 @@ pub fn metadata(body: &[u8]) -> Result<(&str, BTreeMap<String, String>), Malform
 /// Description of a whole file by itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statistics {
-    /// Number of messages.
     pub messages: u64,
     /// Earliest log time, ns since 1970.
     pub start: u64,
     /// Latest log time, ns since 1970.
     pub end: u64,
-    /// Messages by channel.
     pub channels: BTreeMap<u16, u64>,
 }
 

@@ -21,10 +21,8 @@ pub enum UnpackError {
     /// Its compression is not a known one.
     #[error("its compression is `{0}`, expected `lz4`, `zstd` or none")]
     Compression(String),
-    /// Its compression is damaged.
     #[error("its {0} data is damaged: {1}")]
     Damaged(&'static str, String),
-    /// Its checksum is another one.
     #[error("its checksum is wrong")]
     Checksum,
 }
