@@ -88,7 +88,7 @@ pub fn bag(bytes: &[u8]) {
 /// Tables of a road's height or grade. An accepted one has a slope everywhere.
 pub fn road(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    if let Ok(profile) = scenario::read_road("fuzz.csv", text) {
+    if let Ok(profile) = scenario::road::parse_csv("fuzz.csv", text) {
         for k in 0..10 {
             assert!(profile.grade(f64::from(k) * profile.end_m() / 9.0).is_finite());
         }

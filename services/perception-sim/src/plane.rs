@@ -6,7 +6,7 @@ use messages::{Course, Curves, EgoPose, EgoTruth, Header, LateralMotion};
 use road::{Axis, Pose};
 use runtime::{Publisher, Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
-use scenario::course::{CourseSource, RoadEstimate};
+use scenario::perception::{CourseSource, RoadEstimate};
 
 use crate::radar::scene::{Ego, PlaneEgo};
 use crate::tracking::course_filter::{MapAhead, Sources};

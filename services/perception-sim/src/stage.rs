@@ -53,7 +53,7 @@ impl Stage {
         let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
         let line = scenario.road.plan().and_then(|plan| plan.opendrive.as_ref()?.line.as_ref());
         let way = line.filter(|_| scenario.storyboard.is_some()).map(|line| {
-            let (axis, start) = line.0.axis().expect("the scenario has been checked");
+            let (axis, start) = line.axis().expect("the scenario has been checked");
             Way { axis: Arc::new(axis), start }
         });
         if let Some(axis) = axis.filter(|_| way.is_none()) {

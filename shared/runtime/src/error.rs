@@ -5,7 +5,7 @@ use messages::Topic;
 use scenario::{DecodeError, Problem};
 use std::error::Error;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Advice for an error of the transport, whose own reason is a name in iceoryx2's sources.
 const HINT: &str =
@@ -14,60 +14,21 @@ const HINT: &str =
 /// Reason why a service cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum RuntimeError {
-    /// The group file is missing, unreadable or not one.
-    #[error("group file {}: {reason}", path.display())]
-    GroupFile {
-        /// The place that was searched.
-        path: PathBuf,
-        /// The reader's error.
-        #[source]
-        reason: io::Error,
-    },
-    /// iceoryx2 could not create a node.
-    #[error("cannot join the run's shared memory below {}{HINT}", root.display())]
-    Node {
-        /// Root of the run.
-        root: PathBuf,
-        /// The transport's error.
-        #[source]
-        reason: TransportError,
-    },
+    /// iceoryx2 could not create a node below this root of the run.
+    #[error("cannot join the run's shared memory below {root}{HINT}", root = .0.display())]
+    Node(PathBuf, #[source] TransportError),
     /// A topic could not be opened, or a message not be sent or received.
-    #[error("cannot {what} topic `{}`{HINT}", topic.name())]
-    Topic {
-        /// Request that failed.
-        what: &'static str,
-        /// The topic.
-        topic: Topic,
-        /// The transport's error.
-        #[source]
-        reason: TransportError,
-    },
-    /// In lockstep, a due sample did not come.
-    #[error("waited {waited_s:.1} s for `{}` of step {step}, which never came", topic.name())]
-    Starved {
-        /// The topic.
-        topic: Topic,
-        /// Step in which the sample is due.
-        step: u64,
-        /// Wall time waited, s.
-        waited_s: f64,
-    },
+    #[error("cannot {0} topic `{name}`{HINT}", name = .1.name())]
+    Topic(&'static str, Topic, #[source] TransportError),
+    /// In lockstep, the sample that is due in a step did not come in this wall time, s.
+    #[error("waited {2:.1} s for `{name}` of step {1}, which never came", name = .0.name())]
+    Starved(Topic, u64, f64),
     /// The launcher asked for an end while the service was waiting.
     #[error("stopped by the launcher")]
     Stopped,
     /// The service's standby has taken over: nothing that this process sends is used any more.
     #[error("replaced by the standby")]
     Replaced,
-    /// The link to the launcher broke or carried nonsense.
-    #[error("link to the launcher: {what}: {reason}")]
-    Link {
-        /// Part of it.
-        what: &'static str,
-        /// The system's error.
-        #[source]
-        reason: io::Error,
-    },
     /// A foreign program that computes for the service failed.
     #[error("{0}")]
     Program(#[source] Box<dyn Error + Send + Sync>),
@@ -80,22 +41,32 @@ pub enum RuntimeError {
     /// The scenario makes no such service.
     #[error("{}: {}", .0.path, .0.message)]
     Refused(#[source] Box<Problem>),
-    /// Something that the service needs of the system is not to be had.
-    #[error("{what}: {reason}")]
-    Setup {
-        /// Request that failed.
-        what: String,
-        /// The system's error.
-        #[source]
-        reason: io::Error,
-    },
+    /// Something that the service needs of the system is not to be had: a file of the run, the link to the launcher,
+    /// shared memory, a thread.
+    #[error("{0}: {1}")]
+    Setup(String, #[source] io::Error),
 }
 
 impl RuntimeError {
     /// Without `what` the service cannot work.
     pub(crate) fn setup(what: impl Into<String>) -> impl FnOnce(io::Error) -> Self {
         let what = what.into();
-        move |reason| Self::Setup { what, reason }
+        move |reason| Self::Setup(what, reason)
+    }
+
+    /// The file at `path`, which all processes of the run read, is missing, unreadable or not one.
+    pub(crate) fn file(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        Self::setup(format!("group file {}", path.display()))
+    }
+
+    /// This part of the link to the launcher broke.
+    pub(crate) fn link(what: &str) -> impl FnOnce(io::Error) -> Self {
+        Self::setup(format!("link to the launcher: {what}"))
+    }
+
+    /// The carrier cannot do `what` with the topic.
+    pub(crate) fn topic(what: &'static str, topic: Topic) -> impl FnOnce(TransportError) -> Self {
+        move |reason| Self::Topic(what, topic, reason)
     }
 }
 

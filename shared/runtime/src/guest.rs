@@ -81,7 +81,7 @@ impl Guest {
     /// [`RuntimeError::Topic`].
     pub fn subscriber<T: Message>(&self) -> Result<Subscriber<T>, RuntimeError> {
         let inlet = Inlet::SharedMemory(Rc::new(self.node.receiver(T::TOPIC)?));
-        let tally = Tally::of_receiver();
+        let tally = Rc::default();
         let members = Some(Rc::new(Members::of(&self.group.root)));
         let check = Check::new(members, true, Rc::clone(&tally));
         Ok(Subscriber::new(inlet, Some(self.waiter(T::TOPIC)), None, check, tally))

@@ -70,9 +70,8 @@ pub use releases::schedule::{Schedule, ScheduledRelease};
 pub use releases::timetable::Timetable;
 pub use session::{Cycle, Runtime, count_allocations_by};
 pub use survival::checkpoint::Checkpoint;
-pub use survival::cycle_watch::CycleWatch;
 pub use survival::fence as epoch;
-pub use survival::standby::{ActiveProcess, Cause, TakeOver};
+pub use survival::standby::{ActiveProcess, Cause, CycleWatch, TakeOver};
 pub use transport::waking::{Ticket, Waiter, Waker, wait_word, wake_word};
 pub use transport::{
     Carrier, Ipc, Loan, Sealing, TransportError, Turns, domain, shared_memory_bytes,

@@ -47,18 +47,19 @@ pub mod name;
 pub mod quantity;
 pub mod schema;
 
-pub use ego::{aebs, controller, course, curve_speed, lateral, own_law, perception, plant};
-pub use group::{per_service, referee, require, runtime, supervision};
+pub use ::road::grade;
+pub use ego::{aebs, controller, lateral, own_law, perception, plant};
+pub use group::{referee, runtime, supervision};
 pub use reading::words::accepted;
 pub use reading::{
     DecodeError, LawTables, MAX_TEXT_BYTES, Overrides, Problem, Reads, Refusal, ScenarioError,
     Setting, Source, option_value,
 };
-pub use roads::{grade, plan, road};
-pub use signals::{carrier, preview, radio, v2x};
+pub use roads::{plan, road};
+pub use signals::{carrier, radio, v2x};
 pub use toml::{Table, Value};
 pub use traffic::{
-    actor, cycle, event, recorded, speeds, storyboard, sumo as sumo_traffic, translation,
+    actor, event, recorded, speeds, storyboard, sumo as sumo_traffic, translation,
 };
 
 use serde::de::DeserializeOwned;
@@ -74,8 +75,7 @@ use perception::Perception;
 use plant::Plant;
 use quantity::{Duration, Seed, Speed};
 use reading::Document;
-use referee::Referee;
-use require::Require;
+use referee::{Referee, Require};
 use road::Road;
 use runtime::Runtime;
 use scenario_derive::tables;
@@ -216,14 +216,6 @@ pub fn read_as<T: DeserializeOwned>(
     let value = document.read()?;
     check(&value).map_err(|problem| document.error(&problem))?;
     Ok(value)
-}
-
-/// Reads a table of a road's height or grade over distance. `source` stands for it in errors.
-///
-/// # Errors
-/// When the text is not such a table; shows the line.
-pub fn read_road(source: &str, text: &str) -> Result<grade::GradeProfile, ScenarioError> {
-    road::parse_csv(source, text)
 }
 
 /// A table of keys and values.

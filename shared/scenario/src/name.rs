@@ -18,7 +18,6 @@ macro_rules! texts {
         pub struct $error;
 
         impl $name {
-            /// The text.
             #[must_use]
             pub fn as_str(&self) -> &str {
                 &self.0

@@ -8,7 +8,7 @@ use scenario::name::Name;
 use scenario::quantity::{
     Acceleration, Distance, Duration, Height, Lateral, Length, OutOfRange, Seed, Speed, Time,
 };
-use scenario::road::{Heights, Road, RoadPoint};
+use scenario::road::{Road, RoadPoint};
 use supervise::UsageError;
 
 use super::motion::Motion;
@@ -170,7 +170,7 @@ fn moved(road: &Road, behind_m: f64) -> Result<Road, UsageError> {
         Ok(RoadPoint(distance_m, Height::try_from(point.height_m)?))
     });
     let points = points.collect::<Result<Vec<_>, _>>().map_err(out_of_range)?;
-    Ok(Road::of_heights(Heights::Points(points)))
+    Ok(Road { points, ..Road::default() })
 }
 
 #[cfg(test)]
@@ -216,7 +216,7 @@ mod tests {
         let place = plan.places()[1];
         let scenario = plan.behind(place, &Motion::constant(20.0)).expect("a short string");
         let first = plan.laws[0].road.profile().expect("a road").points()[1];
-        let Heights::Points(points) = &scenario.road.heights else { panic!("{:?}", scenario.road) };
+        let points = &scenario.road.points;
         let mine = points[1];
         assert!((mine.0.value() - first.distance_m - place.behind_first_m).abs() < 1e-9);
         assert_eq!(mine.1.value(), first.height_m);

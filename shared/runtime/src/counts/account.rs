@@ -20,7 +20,6 @@ use std::io;
 use std::mem::offset_of;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The account of one process.
 #[repr(C, align(4096))]
 #[derive(Debug)]
 pub(super) struct Account {
@@ -237,7 +236,7 @@ mod tests {
     fn an_account_outlives_its_process_and_is_taken_once() {
         let run = Run::new("account");
         let tally = || {
-            let tally = Tally::of_receiver();
+            let tally = std::rc::Rc::<std::cell::RefCell<Tally>>::default();
             tally.borrow_mut().messages = 7;
             tally.borrow_mut().e2e.unknown_sender = 3;
             tally

@@ -16,25 +16,7 @@ pub struct Injected {
     /// Time when it begins, ns of run time.
     pub begin_ns: i64,
     /// The fault.
-    #[serde(with = "binary")]
     pub fault: Fault,
-}
-
-/// A fault travels in its binary form, which no receiver parses as text.
-mod binary {
-    use scenario::faults::Fault;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub(super) fn serialize<S: Serializer>(
-        fault: &Fault,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        fault.to_bytes().serialize(serializer)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Fault, D::Error> {
-        Fault::from_bytes(&Vec::deserialize(from)?).map_err(serde::de::Error::custom)
-    }
 }
 
 /// Number of messages in a service's ports on which a fault acted.
@@ -220,7 +202,6 @@ impl Faults {
         all
     }
 
-    /// The same one by one.
     pub(crate) fn each_statistics(&self, mut take: impl FnMut(FaultStatistics)) {
         for entry in self.entries.borrow().iter().filter(|entry| entry.messages > 0) {
             let Entry { number: fault, messages, undetected, .. } = *entry;

@@ -25,11 +25,9 @@ pub(crate) struct Disturbed<T> {
     overtaken: Option<Box<OnItsWay<T>>>,
 }
 
-/// A message on its way.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OnItsWay<T> {
     pub(crate) message: T,
-    /// The fault that corrupted it.
     pub(super) corrupted_by: Option<u32>,
 }
 

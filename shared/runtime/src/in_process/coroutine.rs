@@ -54,15 +54,12 @@ impl Drop for Running<'_> {
 /// End of a turn of a task.
 #[derive(Debug)]
 pub(crate) enum Turn {
-    /// It waits.
     Waits,
-    /// It is done.
     Done(Result<(), RuntimeError>),
     /// It panicked, with this message.
     Panicked(String),
 }
 
-/// A task with a stack of its own.
 pub(crate) struct Task(Option<Coroutine<(), (), Result<(), RuntimeError>>>);
 
 impl std::fmt::Debug for Task {

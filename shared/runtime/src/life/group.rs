@@ -41,23 +41,21 @@ impl Group {
     /// Reads the group file below `root`.
     ///
     /// # Errors
-    /// [`RuntimeError::GroupFile`] if it cannot be read or is not one.
+    /// [`RuntimeError::Setup`] if it cannot be read or is not one.
     pub fn read(root: &Path) -> Result<Self, RuntimeError> {
         let path = root.join(Self::FILE);
-        let error = |reason| RuntimeError::GroupFile { path: path.clone(), reason };
-        let bytes = std::fs::read(&path).map_err(error)?;
-        postcard::from_bytes(&bytes).map_err(|e| error(io::Error::other(e)))
+        let read = || postcard::from_bytes(&std::fs::read(&path)?).map_err(io::Error::other);
+        read().map_err(RuntimeError::file(&path))
     }
 
     /// Writes the group file below its root.
     ///
     /// # Errors
-    /// [`RuntimeError::GroupFile`] if it cannot be written.
+    /// [`RuntimeError::Setup`] if it cannot be written.
     pub fn write(&self) -> Result<(), RuntimeError> {
         let path = self.root.join(Self::FILE);
         let bytes = postcard::to_allocvec(self).expect("a group is plain data");
-        std::fs::write(&path, bytes)
-            .map_err(|reason| RuntimeError::GroupFile { path: path.clone(), reason })
+        std::fs::write(&path, bytes).map_err(RuntimeError::file(&path))
     }
 }
 
@@ -88,7 +86,7 @@ mod tests {
         let none = Group { scenario: Vec::new(), ..group };
         assert!(matches!(none.scenario(), Err(RuntimeError::Scenario(_))));
         std::fs::write(root.join(Group::FILE), [0xff; 9]).expect("ours");
-        assert!(matches!(Group::read(&root), Err(RuntimeError::GroupFile { .. })));
+        assert!(matches!(Group::read(&root), Err(RuntimeError::Setup(..))));
         std::fs::remove_dir_all(&root).expect("ours");
     }
 }

@@ -128,7 +128,6 @@ enum Way {
 pub(crate) struct Desk {
     /// Messages of the service, oldest first.
     pub(crate) said: Rc<RefCell<VecDeque<FromService>>>,
-    /// The start order.
     pub(crate) start: Rc<Cell<Option<StartOrder>>>,
 }
 
@@ -165,7 +164,7 @@ impl Link {
         let end = End::default();
         let joined = Arc::new(AtomicBool::new(false));
         signal_hook::flag::register(PEER_JOINED, Arc::clone(&joined))
-            .map_err(|reason| RuntimeError::Link { what: "signal handler", reason })?;
+            .map_err(RuntimeError::link("signal handler"))?;
         let (sender, start) = sync_channel(1);
         let (join, joins) = sync_channel(1);
         let (faults, injected) = channel();
@@ -194,7 +193,7 @@ impl Link {
                 }
                 orders.set_before(0);
             })
-            .map_err(|reason| RuntimeError::Link { what: "thread", reason })?;
+            .map_err(RuntimeError::link("thread"))?;
         let (way, joins, injected) = (Way::Streams(start), Some(joins), Some(injected));
         Ok(Self { way, end, injected, joined, safe_stop, take_over, joins, thread })
     }
@@ -248,7 +247,7 @@ impl Link {
         let mut out = std::io::stdout().lock();
         out.write_all(&line)
             .and_then(|()| out.flush())
-            .map_err(|reason| RuntimeError::Link { what: "the launcher does not listen", reason })
+            .map_err(RuntimeError::link("the launcher does not listen"))
     }
 
     /// Waits until the launcher has all reports and closes the run.

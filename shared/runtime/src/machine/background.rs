@@ -39,10 +39,15 @@ pub struct BackgroundWorker<Q, A> {
 
 /// The thread that does the work.
 enum Worker<Q, A> {
-    /// A thread.
-    Thread { shared: Arc<Shared<Q, A>>, thread: Option<JoinHandle<()>> },
+    Thread {
+        shared: Arc<Shared<Q, A>>,
+        thread: Option<JoinHandle<()>>,
+    },
     /// The loop's own thread, which does it at once.
-    Inline { work: Box<dyn FnMut(&Q) -> A>, answer: Option<(A, i64)> },
+    Inline {
+        work: Box<dyn FnMut(&Q) -> A>,
+        answer: Option<(A, i64)>,
+    },
 }
 
 impl<Q, A> std::fmt::Debug for Worker<Q, A> {

@@ -1,7 +1,6 @@
 //! Requests of a service to the machine: scheduling, processes, threads, programs.
 
 pub mod background;
-pub mod not_granted;
 pub mod program;
 pub mod scheduling;
 pub mod spawn;

@@ -6,7 +6,6 @@
 
 #![allow(unsafe_code, reason = "no crate wraps sched_setscheduler")]
 
-pub use crate::machine::not_granted::{Asked, NotGranted};
 use messages::Service;
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::process::Pid;
@@ -132,7 +131,7 @@ pub fn apply(request: &Request) -> Granted {
             }
         };
     if let Policy::Fifo(priority) = request.policy
-        && let Err(e) = set_fifo(priority)
+        && let Err(e) = set_policy_of(0, FIFO, priority)
     {
         refuse(Asked::Fifo(priority), &e);
     }
@@ -173,7 +172,7 @@ fn below_services(scenario: &Scenario) -> u8 {
 pub(crate) fn set_below_services(scenario: &Scenario) {
     let below = below_services(scenario);
     if below > 0 {
-        let _ = set_fifo(below);
+        let _ = set_policy_of(0, FIFO, below);
     }
 }
 
@@ -181,7 +180,7 @@ pub(crate) fn set_below_services(scenario: &Scenario) {
 /// is.
 pub fn set_fifo_of(thread: i32, priority: u8) {
     if priority > 0 {
-        let _ = set_policy_of(thread, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority);
+        let _ = set_policy_of(thread, FIFO, priority);
     }
 }
 
@@ -206,7 +205,7 @@ impl Priority {
     #[must_use]
     pub fn raise(priority: u8) -> Self {
         // Without it, everything works; later, on a busy machine.
-        let _ = set_policy(libc::SCHED_FIFO, priority);
+        let _ = set_policy_of(0, libc::SCHED_FIFO, priority);
         Self(())
     }
 }
@@ -221,7 +220,7 @@ impl Drop for Priority {
 /// process with one on the same core.
 pub fn become_ordinary() {
     // Lowering is always granted.
-    let _ = set_policy(libc::SCHED_OTHER, 0);
+    let _ = set_policy_of(0, libc::SCHED_OTHER, 0);
 }
 
 /// Gives the calling thread `SCHED_DEADLINE`: `runtime_ns` of processor time in each `period_ns`. The kernel refuses it
@@ -279,16 +278,10 @@ fn pinned_core() -> Option<usize> {
     }
 }
 
-fn set_fifo(priority: u8) -> io::Result<()> {
-    // Helper threads must not inherit the priority.
-    set_policy(libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority)
-}
+/// Helper threads do not inherit the priority.
+const FIFO: libc::c_int = libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK;
 
-fn set_policy(policy: libc::c_int, priority: u8) -> io::Result<()> {
-    set_policy_of(0, policy, priority)
-}
-
-/// The same for the process `pid`; 0 is the calling thread.
+/// Sets the policy of the process or thread `pid`; 0 is the calling thread.
 fn set_policy_of(pid: i32, policy: libc::c_int, priority: u8) -> io::Result<()> {
     let param = libc::sched_param { sched_priority: i32::from(priority) };
     // SAFETY: `param` lives through the call, which only reads it.
@@ -320,6 +313,81 @@ fn prefault_stack() {
     std::hint::black_box(&mut stack);
 }
 
+/// A request to the kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Asked {
+    /// Sleeps that end on time without real-time priority.
+    TimerSlack,
+    /// This core.
+    Core(usize),
+    /// Memory that stays where it is.
+    LockedMemory,
+    /// `SCHED_FIFO` with this priority.
+    Fifo(u8),
+}
+
+const TIMER_SLACK: &str = "timer slack of 1 ns";
+const LOCKED_MEMORY: &str = "locked memory";
+
+impl fmt::Display for Asked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TimerSlack => f.write_str(TIMER_SLACK),
+            Self::Core(core) => write!(f, "core {core}"),
+            Self::LockedMemory => f.write_str(LOCKED_MEMORY),
+            Self::Fifo(priority) => write!(f, "fifo:{priority}"),
+        }
+    }
+}
+
+/// Something that the kernel did not grant. In JSON it is one text, `what: why`.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct NotGranted {
+    /// The request.
+    pub what: Asked,
+    /// The kernel's reason.
+    pub why: String,
+}
+
+impl fmt::Display for NotGranted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.what, self.why)
+    }
+}
+
+impl From<NotGranted> for String {
+    fn from(refused: NotGranted) -> Self {
+        refused.to_string()
+    }
+}
+
+/// A text that names nothing that is asked of the kernel.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is nothing that is asked of the kernel")]
+pub struct UnknownRefusal(String);
+
+impl TryFrom<String> for NotGranted {
+    type Error = UnknownRefusal;
+
+    fn try_from(text: String) -> Result<Self, UnknownRefusal> {
+        let what = |name: &str| match name {
+            TIMER_SLACK => Some(Asked::TimerSlack),
+            LOCKED_MEMORY => Some(Asked::LockedMemory),
+            _ => match (name.strip_prefix("core "), name.strip_prefix("fifo:")) {
+                (Some(core), _) => core.parse().ok().map(Asked::Core),
+                (None, Some(priority)) => priority.parse().ok().map(Asked::Fifo),
+                (None, None) => None,
+            },
+        };
+        let parts = text.split_once(": ").and_then(|(name, why)| Some((what(name)?, why)));
+        match parts {
+            Some((what, why)) => Ok(Self { what, why: why.to_owned() }),
+            None => Err(UnknownRefusal(text)),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -346,5 +414,15 @@ mod tests {
             granted.refused.iter().any(|refused| refused.what == Asked::Core(1023)),
             "{granted:?}"
         );
+    }
+
+    #[test]
+    fn a_refusal_is_read_back_as_it_was_written() {
+        let asked = [Asked::TimerSlack, Asked::Core(3), Asked::LockedMemory, Asked::Fifo(80)];
+        for what in asked {
+            let refused = NotGranted { what, why: "no: not here".into() };
+            assert_eq!(NotGranted::try_from(refused.to_string()), Ok(refused));
+        }
+        assert!(NotGranted::try_from("core x: no".to_owned()).is_err());
     }
 }

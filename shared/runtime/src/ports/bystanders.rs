@@ -47,7 +47,8 @@ impl Observer {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn listen<T: Message>(&self) -> Result<Observed<T>, RuntimeError> {
-        let (inlet, tally) = (self.transport.inlet(Wanted::Every)?, Tally::of_receiver());
+        let (inlet, tally) =
+            (self.transport.inlet(Wanted::Every)?, Rc::<RefCell<Tally>>::default());
         // Faults act on the channels of services alone.
         let is_judged = self.members.is_some();
         let mut check = Check::new(self.members.clone(), is_judged, Rc::clone(&tally));
@@ -114,11 +115,7 @@ impl<T: Message> Tapped<T> {
     pub fn take(&self, each: impl FnOnce(&T)) -> Result<bool, RuntimeError> {
         let mut held = self.held.borrow_mut();
         let taken = self.inlet.receive(&mut held);
-        let taken = taken.map_err(|reason| RuntimeError::Topic {
-            what: "receive on",
-            topic: T::TOPIC,
-            reason,
-        })?;
+        let taken = taken.map_err(RuntimeError::topic("receive on", T::TOPIC))?;
         if let (Some(_), Some(message)) = (&taken, held.get()) {
             each(message);
         }
@@ -163,7 +160,7 @@ impl<T: Message> Played<T> {
     /// # Errors
     /// [`RuntimeError::Topic`], also for as many bytes as no message of the type has.
     pub fn send(&self, bytes: &[u8]) -> Result<(), RuntimeError> {
-        let error = |reason| RuntimeError::Topic { what: "send on", topic: T::TOPIC, reason };
+        let error = |reason| RuntimeError::Topic("send on", T::TOPIC, reason);
         let mut message = self.outlet.loan().map_err(error)?;
         let place = bytemuck::bytes_of_mut(&mut *message);
         if place.len() != bytes.len() {

@@ -1,6 +1,6 @@
 //! The check of a message that arrived: sender, epoch, end-to-end protection, clock.
 
-use super::tally::Tally;
+use super::Tally;
 use crate::Clock;
 use crate::ports::members::Members;
 use crate::survival::fence::Fences;

@@ -26,7 +26,7 @@ const NEWEST_LINES: usize = 64;
 /// Enters process `pid` as restart `incarnation` of `service` of the run at `root`.
 ///
 /// # Errors
-/// [`RuntimeError::GroupFile`] if the list cannot be written.
+/// [`RuntimeError::Setup`] if the list cannot be written.
 pub fn enroll(
     root: &Path,
     service: Service,
@@ -40,7 +40,7 @@ pub fn enroll(
 /// Enters process `pid` as one that listens to the run at `root`: in lockstep senders wait for it.
 ///
 /// # Errors
-/// [`RuntimeError::GroupFile`] if the list cannot be written.
+/// [`RuntimeError::Setup`] if the list cannot be written.
 pub fn enroll_listener(root: &Path, pid: u32) -> Result<(), RuntimeError> {
     append(root, &format!("{LISTENER} {pid}\n"))
 }
@@ -53,14 +53,13 @@ fn append(root: &Path, line: &str) -> Result<(), RuntimeError> {
         .mode(0o600)
         .open(&path)
         .and_then(|mut file| file.write_all(line.as_bytes()))
-        .map_err(|reason| RuntimeError::GroupFile { path, reason })
+        .map_err(RuntimeError::file(&path))
 }
 
 /// Takes processes that are gone out of a long list. Readers find the list before or after that.
 fn thin_out(root: &Path) -> Result<(), RuntimeError> {
     let path = root.join(FILE);
-    let error = |reason| RuntimeError::GroupFile { path: path.clone(), reason };
-    let text = std::fs::read_to_string(&path).map_err(error)?;
+    let text = std::fs::read_to_string(&path).map_err(RuntimeError::file(&path))?;
     let lines: Vec<&str> = text.lines().collect();
     let Some(old) = lines.len().checked_sub(NEWEST_LINES).filter(|_| lines.len() > MANY_LINES)
     else {
@@ -72,8 +71,8 @@ fn thin_out(root: &Path) -> Result<(), RuntimeError> {
     };
     let kept: Vec<&str> = lines[..old].iter().filter(lives).chain(&lines[old..]).copied().collect();
     let thinner = root.join("members.new");
-    std::fs::write(&thinner, kept.join("\n") + "\n").map_err(error)?;
-    std::fs::rename(&thinner, &path).map_err(error)
+    let written = std::fs::write(&thinner, kept.join("\n") + "\n");
+    written.and_then(|()| std::fs::rename(&thinner, &path)).map_err(RuntimeError::file(&path))
 }
 
 /// The processes that the launcher wrote down, in this file.

@@ -16,7 +16,6 @@ pub mod members;
 mod publisher;
 mod registry;
 mod subscriber;
-mod tally;
 
 pub use bystanders::{Observed, Observer, Played, Player, Tap, Tapped};
 pub(super) use check::{Check, Expected};
@@ -24,4 +23,69 @@ pub use publisher::Publisher;
 pub(super) use publisher::{Backlog, Protection, Seal};
 pub(super) use registry::Ports;
 pub use subscriber::Subscriber;
-pub(super) use tally::{Counted, Tally};
+
+use crate::report::{ReceivedTopic, SentTopic};
+use messages::Topic;
+use messages::e2e::Outcomes;
+use std::cell::RefCell;
+use std::rc::Rc;
+use xxhash_rust::xxh3::Xxh3Default;
+
+/// A topic with the counts of a port.
+pub(crate) type Counted = (Topic, Rc<RefCell<Tally>>);
+
+/// Counts of a port, shared with the runtime that reports them.
+#[derive(Default)]
+pub(crate) struct Tally {
+    pub(crate) messages: u64,
+    pub(crate) lost: u64,
+    /// Bytes that were copied to take the messages.
+    pub(crate) copied_bytes: u64,
+    pub(crate) e2e: Outcomes,
+    /// Digest of the sent messages, if it is asked for.
+    digest: Option<Box<Xxh3Default>>,
+}
+
+impl std::fmt::Debug for Tally {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Tally")
+            .field("messages", &self.messages)
+            .field("lost", &self.lost)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Tally {
+    /// Counts of a sending port, with a digest of its messages or without.
+    pub(crate) fn of_sender(has_digest: bool) -> Rc<RefCell<Self>> {
+        let digest = has_digest.then(Box::default);
+        Rc::new(RefCell::new(Self { digest, ..Self::default() }))
+    }
+
+    /// Counts a message that is sent; returns its number.
+    pub(super) fn next(&mut self) -> u64 {
+        self.messages += 1;
+        self.messages
+    }
+
+    /// Takes the bytes in use of a message that is sent.
+    pub(super) fn digest(&mut self, bytes: &[u8]) {
+        if let Some(digest) = &mut self.digest {
+            digest.update(bytes);
+        }
+    }
+
+    pub(crate) fn sent(&self, topic: Topic) -> SentTopic {
+        let digest = self.digest.as_ref().map(|digest| format!("{:016x}", digest.digest()));
+        SentTopic { topic: topic.name().into(), sent: self.messages, digest }
+    }
+
+    pub(crate) fn received(&self, topic: Topic) -> ReceivedTopic {
+        ReceivedTopic {
+            topic: topic.name().into(),
+            received: self.messages,
+            lost: self.lost,
+            e2e: self.e2e,
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! The sending end of a topic, and the seal of a message that a service wrote: header, protection, counts.
 
-use super::tally::Tally;
+use super::Tally;
 use crate::faults::Falsified;
 use crate::survival::fence::{Gate, Passage};
 use crate::transport::waking::Waker;
@@ -43,7 +43,7 @@ impl<T: Message> Publisher<T> {
     /// As [`Self::loan`].
     pub fn loan_used(&self) -> Result<Loan<T>, RuntimeError> {
         let loan = self.0.borrow().outlet.loan();
-        loan.map_err(|reason| RuntimeError::Topic { what: "send on", topic: T::TOPIC, reason })
+        loan.map_err(RuntimeError::topic("send on", T::TOPIC))
     }
 
     /// Loans, lets `write` fill the zeros and sends.
@@ -92,7 +92,6 @@ pub(crate) struct Seal<T: Message> {
 /// Parts of the end-to-end protection that a message gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Protection {
-    /// All of them.
     Full,
     /// All but the CRC.
     Mark,
@@ -143,7 +142,7 @@ impl<T: Message> Seal<T> {
         }
         self.protect(&mut message, sequence as u32);
         let sent = self.outlet.send(message);
-        sent.map_err(|reason| RuntimeError::Topic { what: "send on", topic: T::TOPIC, reason })?;
+        sent.map_err(RuntimeError::topic("send on", T::TOPIC))?;
         if let Some((waker, timetable)) = &self.waker
             && (timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))
         {

@@ -72,7 +72,7 @@ impl Ports {
         let senders = self.senders.iter().map(|(topic, port)| (*topic, port.connect()));
         let receivers = self.receivers.iter().map(|(topic, port)| (*topic, port.connect()));
         for (topic, connected) in senders.chain(receivers) {
-            connected.map_err(|reason| RuntimeError::Topic { what: "open", topic, reason })?;
+            connected.map_err(RuntimeError::topic("open", topic))?;
         }
         Ok(())
     }
@@ -95,7 +95,7 @@ impl Ports {
     /// Counts all that is received from zero.
     pub(crate) fn count_received_anew(&self) {
         for (_, tally) in &self.received {
-            tally.borrow_mut().begin_anew();
+            *tally.borrow_mut() = Tally::default();
         }
     }
 

@@ -1,7 +1,7 @@
 //! The receiving end of a topic.
 
+use super::Tally;
 use super::check::Check;
-use super::tally::Tally;
 use crate::RuntimeError;
 use crate::faults::Disturbed;
 use crate::life::link::End;
@@ -234,7 +234,7 @@ impl<T: Message> Subscriber<T> {
         };
         if waited > patience || self.waiter().is_in_vain() {
             let waited_s = waited.as_secs_f64();
-            return Err(RuntimeError::Starved { topic: T::TOPIC, step, waited_s });
+            return Err(RuntimeError::Starved(T::TOPIC, step, waited_s));
         }
         self.wait(ticket, Duration::from_millis(20))
     }
@@ -248,7 +248,7 @@ impl<T: Message> Subscriber<T> {
     pub(crate) fn wait(&self, ticket: Ticket, timeout: Duration) -> Result<(), RuntimeError> {
         self.waiter()
             .wait(ticket, timeout)
-            .map_err(|reason| refused::<T>(TransportError::System { what: "waiting", reason }))
+            .map_err(|reason| refused::<T>(TransportError::System("waiting", reason)))
     }
 
     fn waiter(&self) -> &Waiter {
@@ -257,5 +257,5 @@ impl<T: Message> Subscriber<T> {
 }
 
 fn refused<T: Message>(reason: TransportError) -> RuntimeError {
-    RuntimeError::Topic { what: "receive on", topic: T::TOPIC, reason }
+    RuntimeError::Topic("receive on", T::TOPIC, reason)
 }

@@ -37,12 +37,15 @@ pub(crate) struct Cycles {
     timetable: Timetable,
     service: Service,
     /// The releases of a recorded run, for a replay.
-    schedule: Option<Schedule>,
-    step: u64,
-    next_step: u64,
-    run: u64,
-    skipped: u64,
-    jitter: Latencies,
+    pub(crate) schedule: Option<Schedule>,
+    /// The present step.
+    pub(crate) step: u64,
+    pub(crate) next_step: u64,
+    /// Cycles run, and releases left out.
+    pub(crate) run: u64,
+    pub(crate) skipped: u64,
+    /// Lateness of the releases.
+    pub(crate) jitter: Latencies,
 }
 
 impl Cycles {
@@ -61,39 +64,9 @@ impl Cycles {
         }
     }
 
-    /// Follows a recorded run's releases, if there are any.
-    pub(crate) fn follow(&mut self, schedule: Option<Schedule>) {
-        self.schedule = schedule;
-    }
-
-    /// True if the releases are those of a recorded run.
-    pub(crate) fn is_replay(&self) -> bool {
-        self.schedule.is_some()
-    }
-
     /// The sample of `topic` that the present cycle of a recorded run used; `None` without a recorded run.
     pub(crate) fn recorded_input(&self, topic: Topic) -> Option<Origin> {
         self.schedule.as_ref().map(|schedule| schedule.input(topic))
-    }
-
-    /// Records the lateness of the releases in `jitter`.
-    pub(crate) fn record_jitter_in(&mut self, jitter: Latencies) {
-        self.jitter = jitter;
-    }
-
-    /// Lateness of the releases.
-    pub(crate) fn jitter(&self) -> &Latencies {
-        &self.jitter
-    }
-
-    /// The present step.
-    pub(crate) fn step(&self) -> u64 {
-        self.step
-    }
-
-    /// The step of the next release.
-    pub(crate) fn next_step(&self) -> u64 {
-        self.next_step
     }
 
     /// Scheduled instant of the present cycle, ns of run time.
@@ -114,21 +87,6 @@ impl Cycles {
     /// Period of the service, ns.
     pub(crate) fn period_ns(&self) -> i64 {
         self.timetable.period_ns(self.service)
-    }
-
-    /// Cycles run.
-    pub(crate) fn run(&self) -> u64 {
-        self.run
-    }
-
-    /// Releases left out.
-    pub(crate) fn skipped(&self) -> u64 {
-        self.skipped
-    }
-
-    /// Goes on with `step`.
-    pub(crate) fn resume_at(&mut self, step: u64) {
-        self.next_step = step;
     }
 
     /// The step that runs now.
@@ -193,10 +151,10 @@ mod tests {
     #[test]
     fn cycles_follow_the_grid_also_after_a_begin_off_it() {
         let mut cycles = cycles();
-        cycles.resume_at(7);
+        cycles.next_step = 7;
         let steps = [(); 3].map(|()| cycles.begin_next(0).map(|release| release.step));
         assert_eq!(steps, [Some(7), Some(10), Some(15)]);
-        assert_eq!((cycles.step(), cycles.next_step(), cycles.run()), (15, 20, 3));
+        assert_eq!((cycles.step, cycles.next_step, cycles.run), (15, 20, 3));
         assert_eq!(cycles.scheduled_ns(), 150_000_000);
         assert!(cycles.is_of_present_period(15) && !cycles.is_of_present_period(14));
     }
@@ -206,6 +164,6 @@ mod tests {
         let mut cycles = cycles();
         assert!(!cycles.skip_missed(49_999_999) && !cycles.skip_missed(-80_000_000));
         assert!(cycles.skip_missed(149_999_999));
-        assert_eq!((cycles.skipped(), cycles.next_step(), cycles.run()), (2, 10, 0));
+        assert_eq!((cycles.skipped, cycles.next_step, cycles.run), (2, 10, 0));
     }
 }

@@ -38,7 +38,7 @@ impl Schedule {
     /// Writes the schedule of `service` into the run's root.
     ///
     /// # Errors
-    /// [`RuntimeError::GroupFile`] if it cannot be written.
+    /// [`RuntimeError::Setup`] if it cannot be written.
     pub fn write(
         root: &Path,
         service: Service,
@@ -52,7 +52,7 @@ impl Schedule {
             }
             file.flush()
         };
-        write().map_err(|reason| RuntimeError::GroupFile { path: path.clone(), reason })
+        write().map_err(RuntimeError::file(&path))
     }
 
     /// Opens the schedule of `service`, if the run has one.
@@ -61,7 +61,7 @@ impl Schedule {
         match File::open(&path) {
             Ok(file) => Ok(Some(Self { releases: BufReader::new(file), present: None })),
             Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(reason) => Err(RuntimeError::GroupFile { path, reason }),
+            Err(reason) => Err(RuntimeError::file(&path)(reason)),
         }
     }
 

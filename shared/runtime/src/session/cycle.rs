@@ -63,7 +63,7 @@ impl Runtime {
     /// ends meanwhile.
     pub fn update<T: Message>(&self, topic: &mut Subscriber<T>) -> Result<(), RuntimeError> {
         let patience = Duration::from_nanos(self.group.patience_ns.unsigned_abs());
-        let (step, end) = (self.cycles.step(), &self.life.link.end);
+        let (step, end) = (self.cycles.step, &self.life.link.end);
         if let Some(origin) = self.cycles.recorded_input(T::TOPIC) {
             return topic.await_sample(origin, step, end, patience);
         }
@@ -86,10 +86,10 @@ impl Runtime {
             self.update(&mut drive)?;
             self.injection.drive = Some(drive);
         }
-        let (scheduled_ns, cycles) = (self.cycles.scheduled_ns(), self.cycles.run());
+        let (scheduled_ns, cycles) = (self.cycles.scheduled_ns(), self.cycles.run);
         // Due once in every heartbeat period, or in every cycle if the service's own is longer.
         if scheduled_ns % HEARTBEAT_NS < self.cycles.period_ns() {
-            let header = Header::new(self.cycles.step(), scheduled_ns, Origins::NONE);
+            let header = Header::new(self.cycles.step, scheduled_ns, Origins::NONE);
             let heartbeat = self.life.heartbeat.as_mut();
             heartbeat.expect("`begin` opened the heartbeat").send_with(|message| {
                 message.header = header;
@@ -111,9 +111,9 @@ impl Runtime {
     /// Ends the run for the whole group after the current step: for the plant's referee.
     ///
     /// # Errors
-    /// [`RuntimeError::Link`].
+    /// [`RuntimeError::Setup`] if the link to the launcher broke.
     pub fn end_run(&mut self) -> Result<(), RuntimeError> {
-        let step = self.cycles.step();
+        let step = self.cycles.step;
         self.life.link.end.set_before(step + 1);
         self.life.link.send(FromService::Ended(step))
     }

@@ -95,8 +95,8 @@ impl Runtime {
         let survival = Survival::new(counts, fences.clone(), service, incarnation);
         let ports = Ports::new(transport, members, fences);
         let mut this = Self::of(service, incarnation, group, scenario, ports, survival, link);
-        this.cycles.follow(schedule);
-        this.cycles.record_jitter_in(jitter);
+        this.cycles.schedule = schedule;
+        this.cycles.jitter = jitter;
         Ok(this)
     }
 
@@ -171,7 +171,7 @@ impl Runtime {
 
     /// Goes on with the step after `step`, whatever time it is.
     pub fn resume_after(&mut self, step: u64) {
-        self.cycles.resume_at(step + 1);
+        self.cycles.next_step = step + 1;
     }
 
     /// True once the launcher asked for a stop in lane.
@@ -222,6 +222,6 @@ impl Runtime {
     /// Releases left out so far.
     #[must_use]
     pub fn skipped(&self) -> u64 {
-        self.cycles.skipped()
+        self.cycles.skipped
     }
 }

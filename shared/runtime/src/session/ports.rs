@@ -68,7 +68,7 @@ impl Runtime {
         let waiter = waits.then(|| transport.waiter(T::TOPIC));
         let is_concerned = self.injection.faults.concern(T::TOPIC);
         let wanted = if is_concerned { Wanted::Every } else { Wanted::Newest(clock) };
-        let (inlet, tally) = (transport.inlet(wanted)?, Tally::of_receiver());
+        let (inlet, tally) = (transport.inlet(wanted)?, Rc::default());
         let is_judged = is_concerned || transport.carrier() == Carrier::SharedMemory;
         let mut check = Check::new(self.ports.members.clone(), is_judged, Rc::clone(&tally));
         check.fences.clone_from(&self.ports.fences);

@@ -60,8 +60,8 @@ impl Runtime {
                 if self.cycles.skip_missed(late) {
                     continue;
                 }
-                let first = self.is_restarted() && self.cycles.run() == 0;
-                if first || samples.reaches(self.cycles.next_step()) || late >= fallback_ns {
+                let first = self.is_restarted() && self.cycles.run == 0;
+                if first || samples.reaches(self.cycles.next_step) || late >= fallback_ns {
                     break;
                 }
                 // A signal, a take-over and each sample end the wait.
@@ -74,7 +74,7 @@ impl Runtime {
 
     /// True if the next step is not to be run any more.
     fn is_over(&self) -> bool {
-        self.life.link.end.is_before(self.cycles.next_step())
+        self.life.link.end.is_before(self.cycles.next_step)
     }
 
     fn release(&mut self, idle_ns: i64) -> Option<Release> {
@@ -108,13 +108,13 @@ impl Runtime {
         };
         self.survival.gate.set_standby(false);
         // The active process has sent what is older than the present period.
-        let step = self.cycles.step();
+        let step = self.cycles.step;
         if self.cycles.is_of_present_period(step) {
             self.ports.send_held(step)?;
         }
         let sent_ns = monotonic_ns();
         standby.take_priority();
-        self.survival.become_active(self.cycles.run(), self.cycles.skipped());
+        self.survival.become_active(self.cycles.run, self.cycles.skipped);
         self.ports.count_received_anew();
         self.life.link.send(FromService::TookOver(TakeOver { cause, noticed_ns, sent_ns }))
     }

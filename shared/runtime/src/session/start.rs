@@ -60,7 +60,7 @@ impl Runtime {
     /// Opens the ego's ground truth for faults that wait for it, if the service has no other use for it.
     fn watch_the_drive(&mut self) -> Result<(), RuntimeError> {
         let waits = self.injection.faults.waits_for_the_drive();
-        if waits && !self.ports.has(Topic::EgoTruth) && !self.cycles.is_replay() {
+        if waits && !self.ports.has(Topic::EgoTruth) && self.cycles.schedule.is_none() {
             self.injection.drive = Some(Box::new(self.subscriber()?));
         }
         Ok(())
@@ -88,7 +88,7 @@ impl Runtime {
         while begun.elapsed() < INPUT_PATIENCE && !self.ports.have_input() {
             std::thread::sleep(Duration::from_micros(200));
         }
-        self.cycles.resume_at(self.cycles.present_step());
+        self.cycles.next_step = self.cycles.present_step();
     }
 }
 
@@ -97,16 +97,16 @@ impl Runtime {
     /// reported. So no last message is lost with its sender.
     ///
     /// # Errors
-    /// [`RuntimeError::Link`].
+    /// [`RuntimeError::Setup`] if the link to the launcher broke.
     pub fn finish(self, figures: impl Reported) -> Result<(), RuntimeError> {
-        let (cycles, skipped) = self.survival.counted(self.cycles.run(), self.cycles.skipped());
+        let (cycles, skipped) = self.survival.counted(self.cycles.run, self.cycles.skipped);
         let (sent, received) = self.ports.reports();
         let report = ServiceReport {
             allocations_in_loop: self.life.allocations_in_loop,
             service: self.service,
             cycles,
             skipped,
-            release_jitter_us: self.cycles.jitter().percentiles_us(),
+            release_jitter_us: self.cycles.jitter.percentiles_us(),
             sent,
             received,
             peak_rss_kib: (self.carrier() == Carrier::SharedMemory).then(peak_rss_kib),

@@ -101,9 +101,8 @@ impl<T: DeserializeOwned> Checkpoint<T> {
     /// # Errors
     /// [`RuntimeError::Setup`] if it does not fit.
     pub fn save(&mut self, state: &impl Serialize) -> Result<(), RuntimeError> {
-        let error = |reason| RuntimeError::Setup { what: "the kept state".into(), reason };
         let used = postcard::to_slice(state, bytemuck::bytes_of_mut(&mut *self.room))
-            .map_err(|e| error(io::Error::other(e)))?;
+            .map_err(|e| RuntimeError::setup("the kept state")(io::Error::other(e)))?;
         self.saved += 1;
         let (length, checksum) = (used.len(), xxh3_64_with_seed(used, self.saved));
         let slot = &self.slots[(self.saved % 2) as usize];

@@ -94,7 +94,6 @@ impl Fences {
 /// Decision on a message that is to be sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Passage {
-    /// It is sent.
     Open,
     /// It is kept, since the process is a standby.
     Held,

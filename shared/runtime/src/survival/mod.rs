@@ -8,7 +8,6 @@
 //! ```
 
 pub mod checkpoint;
-pub mod cycle_watch;
 pub mod end_word;
 pub mod fence;
 pub mod standby;

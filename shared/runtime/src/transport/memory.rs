@@ -58,7 +58,6 @@ impl Bus {
     }
 }
 
-/// A topic.
 #[derive(Debug)]
 struct Slot<T> {
     newest: RefCell<Option<Rc<T>>>,

@@ -17,7 +17,6 @@ use std::rc::Rc;
 #[derive(Debug)]
 pub struct Loan<T: Message>(pub(super) Place<T>);
 
-/// Place of a loaned message.
 #[derive(Debug)]
 pub(super) enum Place<T: Message> {
     /// In the sender's segment of shared memory.
@@ -26,7 +25,6 @@ pub(super) enum Place<T: Message> {
     Memory(Rc<T>),
 }
 
-/// The message in a payload.
 fn message_in<T: Message>(payload: &Payload) -> &T {
     assert_eq!(payload.len(), size_of::<T>(), "a topic has one message type");
     // SAFETY: there are as many bytes as a `T` has, which is `Pod`. The topic was opened with the alignment of a `T`.
@@ -84,7 +82,6 @@ impl<T: Message> Held<T> {
         Self { copy, state: State::Empty }
     }
 
-    /// The message.
     pub(crate) fn get(&self) -> Option<&T> {
         match &self.state {
             State::Empty => None,

@@ -5,14 +5,12 @@
 //!        └► memory: the topic's newest message, and queues for who needs each of them ────┘
 //! ```
 
-mod error;
 mod memory;
 mod message;
 mod pooled;
 mod shared_memory;
 pub mod waking;
 
-pub use error::TransportError;
 pub use memory::Turns;
 pub(super) use memory::{Bus, Seat};
 pub(super) use message::Held;
@@ -27,6 +25,8 @@ use crate::transport::waking::{Waiter, Waker};
 use crate::{Clock, RuntimeError, Timetable};
 use messages::{Message, Topic};
 use serde::Serialize;
+use std::error::Error;
+use std::io;
 use std::rc::Rc;
 
 /// Carrier of the messages of a run.
@@ -48,6 +48,41 @@ pub enum Sealing {
     /// They do not: nothing outside of the run's thread ever has them, and nothing compares them with another
     /// run's. All else is the same.
     Unsealed,
+}
+
+/// Refusal by a carrier of messages, or by a library or the system below it.
+#[derive(Debug, thiserror::Error)]
+pub enum TransportError {
+    /// A call of iceoryx2, whose errors are names.
+    #[error("{0:?}")]
+    Iceoryx2(Box<dyn Error + Send + Sync>),
+    /// A call of the system, for this.
+    #[error("{0}: {1}")]
+    System(&'static str, #[source] io::Error),
+    /// The run's root is not a path for iceoryx2.
+    #[error("the path is not UTF-8")]
+    Path,
+    /// The ids of iceoryx2's ports do not name their process.
+    #[error("iceoryx2 does not name the process in its port ids as expected")]
+    PortId,
+    /// All members wait, one of them for room.
+    #[error("a receiver does not read")]
+    NotRead,
+    /// There is no room, and the sender must not wait.
+    #[error("a receiver's queue is full")]
+    Full,
+    /// The message was loaned from another carrier.
+    #[error("a message of another carrier")]
+    OtherCarrier,
+    /// Bytes are played that no message of the topic has.
+    #[error("{0} bytes are not such a message")]
+    Length(usize),
+}
+
+impl TransportError {
+    pub(crate) fn iceoryx2(error: impl Error + Send + Sync + 'static) -> Self {
+        Self::Iceoryx2(Box::new(error))
+    }
 }
 
 /// Messages that a subscriber can lag behind. They are twice what the plant publishes between two releases of
@@ -136,7 +171,6 @@ impl Transport {
 /// The messages of a topic that a reader in memory needs. Shared memory brings each of them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Wanted<'a> {
-    /// Each one.
     Every,
     /// The newest one at each release of a service, whose clock this is.
     Newest(&'a Rc<Clock>),

@@ -146,7 +146,7 @@ impl SharedMemory {
     /// # Errors
     /// [`RuntimeError::Node`] if the root is not usable or shared memory is not to be had.
     pub(crate) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
-        let error = |reason| RuntimeError::Node { root: group.root.clone(), reason };
+        let error = |reason| RuntimeError::Node(group.root.clone(), reason);
         let config = domain(group)?;
         let name = NodeName::new(name).map_err(TransportError::iceoryx2).map_err(error)?;
         let node = NodeBuilder::new()
@@ -157,7 +157,7 @@ impl SharedMemory {
             .create::<Ipc>()
             .map_err(TransportError::iceoryx2)
             .map_err(error)?;
-        let system = |what| move |reason| error(TransportError::System { what, reason });
+        let system = |what| move |reason| error(TransportError::System(what, reason));
         keep_to_this_user(&group.prefix).map_err(system("shared memory"))?;
         let words = Rc::new(RunWords::map(&group.prefix).map_err(system("wake words"))?);
         Ok(Self {
@@ -231,11 +231,7 @@ impl SharedMemory {
             .create()
             .map_err(refused(topic))?;
         if SenderId::of_port(port.id().value()).pid() != std::process::id() {
-            return Err(RuntimeError::Topic {
-                what: "open",
-                topic,
-                reason: TransportError::PortId,
-            });
+            return Err(RuntimeError::Topic("open", topic, TransportError::PortId));
         }
         Ok(Sender(port))
     }
@@ -299,7 +295,7 @@ impl Listeners {
 /// # Errors
 /// [`RuntimeError::Node`] if iceoryx2 does not accept the root's path or the prefix.
 pub fn domain(group: &Group) -> Result<Config, RuntimeError> {
-    let error = |reason| RuntimeError::Node { root: group.root.clone(), reason };
+    let error = |reason| RuntimeError::Node(group.root.clone(), reason);
     let mut config = Config::default();
     let root = group.root.to_str().ok_or_else(|| error(TransportError::Path))?;
     config.global.prefix =
@@ -317,11 +313,7 @@ pub fn domain(group: &Group) -> Result<Config, RuntimeError> {
 fn refused<E: std::error::Error + Send + Sync + 'static>(
     topic: Topic,
 ) -> impl FnOnce(E) -> RuntimeError {
-    move |error| RuntimeError::Topic {
-        what: "open",
-        topic,
-        reason: TransportError::iceoryx2(error),
-    }
+    move |error| RuntimeError::Topic("open", topic, TransportError::iceoryx2(error))
 }
 
 /// Ending of the name of the one object that iceoryx2 makes for all users.

@@ -83,11 +83,8 @@ pub struct Waiter(Way);
 
 #[derive(Debug)]
 enum Way {
-    /// By sleeping.
     Futex {
-        /// The run's words.
         words: Rc<Shared<RunWords>>,
-        /// The topic.
         topic: Topic,
     },
     /// By letting the other services of the thread go on.

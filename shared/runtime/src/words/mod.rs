@@ -13,7 +13,6 @@ use std::path::Path;
 use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU32, AtomicU64};
 
-/// Bytes of one page.
 pub(crate) const PAGE_BYTES: usize = 4096;
 
 /// One page of words.
@@ -93,7 +92,6 @@ impl SharedWords {
     }
 }
 
-/// A cache line of its own.
 #[repr(C, align(64))]
 #[derive(Debug)]
 struct Line<T>(T);
@@ -110,7 +108,6 @@ pub(crate) struct RunWords {
 /// Processes of a service in a row that have an end word of their own.
 pub(crate) const END_WORDS: usize = 15;
 
-/// The words of a service.
 #[repr(C)]
 #[derive(Debug)]
 pub(crate) struct ServiceWords {

@@ -1,16 +1,14 @@
 //! Checks across keys: each value by itself is in its range already.
 
 mod actors;
-mod events;
-mod laws;
 mod plan;
-mod storyboard;
 
 use messages::{Service, Topic};
 
 use crate::aebs::LEAST_DECELERATION_MPS2;
 use crate::controller::Release;
 use crate::faults::{Fault, Target};
+use crate::name::Name;
 use crate::perception::MAX_LATENCY_SCANS;
 use crate::plant::Integrator;
 use crate::quantity::Acceleration;
@@ -32,10 +30,10 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     signals(&scenario.v2x.signals)?;
     radio(scenario)?;
     controller(scenario)?;
-    laws::check(scenario)?;
+    laws(scenario)?;
     actors::actors(&scenario.actors)?;
-    storyboard::check(scenario)?;
-    events::check(&scenario.actors)
+    actors::storyboard(scenario)?;
+    actors::events(&scenario.actors)
 }
 
 fn multiple(path: &str, value_ms: u32, base: &str, base_ms: u32) -> Result<(), Problem> {
@@ -248,5 +246,27 @@ fn carrier(scenario: &Scenario) -> Result<(), Problem> {
     refuse!(if standbys.contains(&Service::V2xSim), "supervision.standby":
         "two processes of v2x-sim cannot have the radio",
         "v2x.radio = \"frames\"", against "v2x.radio");
+    Ok(())
+}
+
+/// The user's own laws have names, and each is one thing.
+fn laws(scenario: &Scenario) -> Result<(), Problem> {
+    for (name, law) in &scenario.laws {
+        refuse!(if let Err(error) = Name::try_from(name.clone()),
+            "laws.{name}": "`{name}` is {error}", "another name");
+        refuse!(if law.command.is_empty() != law.caller, "laws.{name}":
+            "the law `{name}` has no program, or more than one",
+            "a command, such as [\"python3\", \"law.py\"]");
+        refuse!(if law.caller && !(law.env.is_empty() && law.arguments.is_empty()),
+            "laws.{name}": "the law `{name}` is not a program of its own",
+            "env and arguments with a command alone");
+        let is_unit = law.command.first().is_some_and(|name| name.ends_with(".fmu"));
+        refuse!(if !law.map.is_empty() && !is_unit, "laws.{name}.map":
+            "the law `{name}` is not a unit, which has variables", "a command of a unit (.fmu)");
+        let is_variable = |key: &str| !key.is_empty() && !key.contains(['=', '\0']);
+        refuse!(if let Some(key) = law.env.keys().find(|key| !is_variable(key)),
+            "laws.{name}.env": "`{key}` cannot be a variable of an environment",
+            "a name without `=`");
+    }
     Ok(())
 }

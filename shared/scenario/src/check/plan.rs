@@ -4,7 +4,7 @@ use messages::{TOPICS, Topic};
 
 use crate::actor::Profile;
 use crate::faults::{Fault, Target};
-use crate::plan::{AlongRoad, GeneratedPlan, Plan, PlanPiece};
+use crate::plan::{GeneratedPlan, Plan};
 use crate::reading::refuse;
 use crate::road::one_of;
 use crate::schema::is_default;
@@ -78,8 +78,8 @@ fn lanes(plan: &Plan) -> Result<(), Problem> {
         reach("road.plan.generated.min_radius_m", inner_m, min_radius_m.value())?;
     }
     for (index, piece) in plan.pieces.iter().enumerate() {
-        if let PlanPiece::Arc { radius_m, turn, .. } = piece {
-            let inner_m = edges_m[*turn as usize];
+        if let (Some(radius_m), Some(turn)) = (piece.radius_m, piece.turn) {
+            let inner_m = edges_m[turn as usize];
             reach(&format!("road.plan.pieces.{index}"), inner_m, radius_m.value())?;
         }
     }
@@ -89,7 +89,7 @@ fn lanes(plan: &Plan) -> Result<(), Problem> {
 /// The lines along the road are in order, and lie on this side of the centres of its curves.
 fn along(plan: &Plan, axis: &road::Axis) -> Result<(), Problem> {
     const PATH: &str = "road.plan.lanes.along";
-    let AlongRoad(lines) = &plan.lanes.along;
+    let lines = &plan.lanes.along;
     refuse!(if !lines.is_sound(), "{PATH}": "these are not lines of lanes",
         "stations [p_m, right edge, .., left edge] in order, each from right to left");
     let path = if plan.opendrive.is_some() { "road.plan.opendrive" } else { PATH };

@@ -4,10 +4,10 @@ use scenario_derive::tables;
 use std::path::{Path, PathBuf};
 
 use crate::LawTables;
-use crate::curve_speed::CurveSpeed;
 use crate::name::Name;
 use crate::quantity::{
-    Acceleration, Length, PeriodMs, PositiveWeight, Steps, TimeConstant, Weight,
+    Acceleration, AccelerationMagnitude, Length, PeriodMs, PositiveWeight, Steps, TimeConstant,
+    Weight,
 };
 
 tables! {
@@ -112,6 +112,26 @@ tables! {
         BeforeSwitch,
         /// All stages, as equation 15 is printed.
         All,
+    }
+
+    /// Slower driving in curves of a road with a plan.
+    #[derive(Copy)]
+    pub struct CurveSpeed {
+        /// True if the set speed is capped.
+        pub enabled: bool = true,
+        /// Lateral acceleration that the cap keeps, m/s².
+        pub comfort_mps2: Comfort = default,
+        /// Deceleration with which the speed falls before a curve, m/s².
+        pub braking_mps2: AccelerationMagnitude = 1.0,
+    }
+
+    /// Lateral acceleration by speed: `slow` up to 17 m/s, `fast` from 32 m/s on, between them in proportion.
+    #[derive(Copy)]
+    pub struct Comfort {
+        /// Up to 17 m/s, m/s².
+        pub slow: AccelerationMagnitude = 2.3,
+        /// From 32 m/s on, m/s².
+        pub fast: AccelerationMagnitude = 2.0,
     }
 }
 

@@ -2,8 +2,6 @@
 
 pub mod aebs;
 pub mod controller;
-pub mod course;
-pub mod curve_speed;
 pub mod lateral;
 pub mod own_law;
 pub mod perception;

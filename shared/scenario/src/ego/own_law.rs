@@ -48,7 +48,6 @@ impl OwnLaw {
         self.command.iter().cloned().chain(unit_words(&self.arguments, &self.map)).collect()
     }
 
-    /// The variables of its environment.
     #[must_use]
     pub fn variables(&self) -> Vec<(String, String)> {
         self.env.iter().map(|(key, Word(value))| (key.clone(), value.clone())).collect()

@@ -4,7 +4,6 @@ use scenario_derive::tables;
 use serde::{Deserialize, Serialize};
 
 use crate::Problem;
-use crate::course::Course;
 use crate::quantity::{
     Angle, Count, CrossSection, Decibels, DelayMs, Length, Loss, MeanCount, PerKilometre, PeriodMs,
     Probability, Reach, Sigma, SigmaMultiple, Speed, Time, TimeConstant,
@@ -165,6 +164,55 @@ tables! {
         /// 0: no prediction. Exact tracks are not predicted.
         pub predict_s: Time = 1.2,
     }
+
+    /// The estimate of the axis ahead on a road with a plan.
+    pub struct Course {
+        /// Its sources; an empty list: the straight path.
+        pub sources: Vec<CourseSource> = vec![CourseSource::YawRate, CourseSource::Standing, CourseSource::Trails],
+        /// Their estimate: one course by a filter, or a belief in many hypotheses. The yaw rate alone makes a circle by
+        /// both.
+        #[sparse]
+        pub road: RoadEstimate = default,
+    }
+
+    /// An estimate of the road ahead.
+    pub enum RoadEstimate {
+        /// A Kalman filter of one course.
+        #[default]
+        Filter,
+        /// Weighted hypotheses.
+        Belief,
+    }
+
+    /// A source of the course.
+    pub enum CourseSource {
+        /// The yaw rate and the speed of the ego.
+        YawRate,
+        /// Standing objects beside the road.
+        Standing,
+        /// Ways of the vehicles ahead.
+        Trails,
+        /// Curvatures of the map, `v2x/curves`.
+        Map,
+    }
+}
+
+impl Course {
+    /// True if the source is used.
+    #[must_use]
+    pub fn uses(&self, source: CourseSource) -> bool {
+        self.sources.contains(&source)
+    }
+
+    /// A source counts once.
+    pub(crate) fn check(&self) -> Result<(), Problem> {
+        let again = (1..self.sources.len())
+            .find(|&index| self.sources[..index].contains(&self.sources[index]));
+        again.map_or(Ok(()), |index| {
+            let path = format!("perception.course.sources.{index}");
+            Err(Problem::new(path, "this source stands here twice", "each source once"))
+        })
+    }
 }
 
 impl Perception {
@@ -186,7 +234,6 @@ impl Perception {
         if self.ideal { RadarModel::Ideal } else { self.radar.model }
     }
 
-    /// True if the radar gives detections.
     #[must_use]
     pub fn gives_detections(&self) -> bool {
         self.model() == RadarModel::Detections
@@ -210,7 +257,6 @@ pub enum Swerling {
 #[error("{0} is out of range, expected {CASES}")]
 pub struct NoSwerlingCase(i64);
 
-/// The cases in words.
 const CASES: &str = "Swerling's case 0, 1 or 3";
 
 impl Schema for Swerling {

@@ -10,14 +10,11 @@ use crate::schema::Schema;
 /// Start of a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Begin {
-    /// At an instant.
     At {
-        /// Run time.
         at_s: Time,
     },
     /// By what the ego does and meets.
     When {
-        /// The condition.
         when: Condition,
     },
 }

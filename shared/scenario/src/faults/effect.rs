@@ -9,28 +9,20 @@ use super::topic::{BiasedField, TopicName};
 use crate::quantity::{Core, Count, DelayMs, Duration, Megabytes, Probability, Shift};
 use crate::schema::Schema;
 
-/// Act of the fault.
-#[derive(Clone, Debug, PartialEq)]
+/// Act of the fault. The kinds of its families are disjoint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
 pub enum Effect {
     /// To processes, by the launcher's hand.
     Process(ProcessFault),
     /// To messages between their sender and a receiver.
     Channel(ChannelFault),
-    /// To messages in their sender.
     Sender(SenderFault),
-}
-
-/// The variants of [`Effect`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Family {
-    Process,
-    Channel,
-    Sender,
 }
 
 kinds! {
     /// A fault of processes.
-    Process: ProcessFault {
+    ProcessFault {
         /// The service's process is killed (SIGKILL).
         Kill = "kill", on Target::Service(*service) => {
             /// The service that it acts on.
@@ -76,7 +68,7 @@ kinds! {
     }
 
     /// A fault of a message on its way.
-    Channel: Disturbance {
+    Disturbance {
         /// It arrives late.
         Delay = "delay" => {
             /// Least delay of a message, ms.
@@ -100,7 +92,7 @@ kinds! {
     }
 
     /// A false content of a message.
-    Sender: Falsification {
+    Falsification {
         /// The content of the last message is repeated under fresh stamps.
         Freeze = "freeze", on Target::Topic(topic.0) => {
             /// The topic whose messages it acts on.
@@ -133,26 +125,25 @@ kinds! {
 }
 
 /// A fault of the channel between a topic and its receivers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChannelFault {
-    /// The fault of a message.
+    #[serde(flatten)]
     pub disturbance: Disturbance,
-    /// The topic.
     pub topic: TopicName,
-    /// Messages that it acts on.
+    #[serde(flatten)]
     pub extent: Extent,
 }
 
 /// A fault of a sender: messages that are intact and whose content is false.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SenderFault {
-    /// The false content.
+    #[serde(flatten)]
     pub falsification: Falsification,
-    /// Messages that it acts on.
+    #[serde(flatten)]
     pub extent: Extent,
 }
 
-/// Messages that a fault acts on. A part of its table, so that it takes no offence at other keys.
+/// Messages that a fault acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Extent {
     /// Probability of each message to be affected.
@@ -174,21 +165,17 @@ tables! {
     }
 }
 
-/// Target of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// A service: its process, or all its messages.
     Service(Service),
     /// A process that is not a service.
     Helper(Helper),
-    /// A topic's messages.
     Topic(Topic),
-    /// The machine.
     Machine,
 }
 
 impl Effect {
-    /// Its kind.
     #[must_use]
     pub const fn kind(&self) -> Kind {
         match self {
@@ -198,7 +185,6 @@ impl Effect {
         }
     }
 
-    /// Its target.
     #[must_use]
     pub fn target(&self) -> Target {
         let own = match self {
@@ -238,7 +224,6 @@ impl Effect {
         length.map_or(i64::MAX, |length| begun_ns.saturating_add_unsigned(length.nanoseconds()))
     }
 
-    /// The fault of processes that it is, if it is one.
     #[must_use]
     pub const fn of_processes(&self) -> Option<&ProcessFault> {
         match self {
@@ -247,7 +232,6 @@ impl Effect {
         }
     }
 
-    /// The fault of a channel that it is, if it is one.
     #[must_use]
     pub const fn of_channels(&self) -> Option<&ChannelFault> {
         match self {
@@ -256,7 +240,6 @@ impl Effect {
         }
     }
 
-    /// The fault of a sender that it is, if it is one.
     #[must_use]
     pub const fn of_senders(&self) -> Option<&SenderFault> {
         match self {

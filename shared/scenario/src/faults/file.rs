@@ -1,26 +1,27 @@
 //! A fault as it stands in a file: one table, whose keys depend on its `kind`.
 
-use serde::ser::SerializeMap;
+use serde::de::Error as _;
+use serde::ser::{Error as _, SerializeMap};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::Value;
 
 use super::begin::BeginKeys;
-use super::effect::Family;
 use super::{
-    Begin, ChannelFault, Disturbance, Effect, Extent, Falsification, Fault, Kind, MAX_FAULTS,
-    ProcessFault, SenderFault, TopicName,
+    Begin, Disturbance, Effect, Extent, Falsification, Fault, Kind, MAX_FAULTS, ProcessFault,
+    SenderFault, TopicName,
 };
 use crate::reading::{self, Problem, refuse};
 use crate::schema::{self, Key, Schema, Shape};
 
-/// The key of every fault of a channel.
-#[derive(Serialize, Deserialize, Schema)]
-struct ChannelKeys {
-    /// The topic whose messages it acts on.
-    topic: TopicName,
+#[derive(Serialize, Deserialize)]
+struct FaultKeys {
+    #[serde(flatten)]
+    effect: Effect,
+    #[serde(flatten)]
+    begin: BeginKeys,
 }
 
-/// Takes the list of faults out of the keys of a scenario.
+/// Takes the list of faults out of the keys of a scenario, whose form was checked.
 ///
 /// # Errors
 /// The first error.
@@ -43,34 +44,9 @@ pub fn read(keys: toml::Table) -> Result<Fault, Problem> {
     of_keys(keys, "fault")
 }
 
-/// The fault of a table that has the form of one. Each of its parts is a type that reads its own keys of the table.
+/// The fault of a table that has the form of one.
 fn of_keys(keys: Value, path: &str) -> Result<Fault, Problem> {
-    let kind = keys.get("kind").cloned().unwrap_or(Value::Boolean(false));
-    let kind: Kind = reading::plain(kind, &format!("{path}.kind"))?;
-    // An enum is read from a table with the kind as its only key.
-    let of_kind = || {
-        let kinds = toml::Table::from_iter([(kind.name().to_owned(), keys.clone())]);
-        Value::Table(kinds)
-    };
-    let below = |problem: Problem| {
-        let path = problem.path.replacen(&format!("{path}.{kind}"), path, 1);
-        Problem { path, ..problem }
-    };
-    let effect = match kind.family() {
-        Family::Process => Effect::Process(reading::plain(of_kind(), path).map_err(below)?),
-        Family::Channel => {
-            let disturbance = reading::plain(of_kind(), path).map_err(below)?;
-            let ChannelKeys { topic } = reading::plain(keys.clone(), path)?;
-            let extent = reading::plain(keys.clone(), path)?;
-            Effect::Channel(ChannelFault { disturbance, topic, extent })
-        }
-        Family::Sender => {
-            let falsification = reading::plain(of_kind(), path).map_err(below)?;
-            let extent = reading::plain(keys.clone(), path)?;
-            Effect::Sender(SenderFault { falsification, extent })
-        }
-    };
-    let begin: BeginKeys = reading::plain(keys, path)?;
+    let FaultKeys { effect, begin } = reading::plain(keys, path)?;
     refuse!(if begin.at_s.is_some() && begin.when.is_some(),
         "{path}.when": "the fault has a time and a condition", "one of `at_s` and `when`");
     if let Effect::Sender(SenderFault {
@@ -97,27 +73,22 @@ fn of_keys(keys: Value, path: &str) -> Result<Fault, Problem> {
 /// ```
 #[must_use]
 pub fn keys_of(kind: Kind) -> Vec<Key> {
-    let variant = |family: Shape| match family {
-        Shape::Choice(variants) => variants
-            .into_iter()
-            .filter(|variant| variant.name == kind.name())
-            .filter_map(|variant| match variant.shape {
-                Some(Shape::Table(keys)) => Some(keys),
-                _ => None,
-            })
-            .flatten()
-            .collect(),
-        _ => Vec::new(),
+    let own = |family: Shape| {
+        let Shape::Choice(variants) = family else { return None };
+        let variant = variants.into_iter().find(|variant| variant.name == kind.name())?;
+        match variant.shape {
+            Some(Shape::Table(keys)) => Some(keys),
+            _ => None,
+        }
     };
     let extent = schema::keys_of::<Extent>;
-    let own: [Vec<Key>; 3] = match kind.family() {
-        Family::Process => [variant(ProcessFault::shape()), Vec::new(), Vec::new()],
-        Family::Channel => {
-            [variant(Disturbance::shape()), schema::keys_of::<ChannelKeys>(), extent()]
-        }
-        Family::Sender => [variant(Falsification::shape()), Vec::new(), extent()],
-    };
-    own.into_iter().flatten().chain(schema::keys_of::<BeginKeys>()).collect()
+    let topic = || Key::of::<TopicName>("topic", "The topic whose messages it acts on.", None);
+    let of_channel = |own: Vec<Key>| own.into_iter().chain([topic()]).chain(extent()).collect();
+    let of_sender = |own: Vec<Key>| own.into_iter().chain(extent()).collect();
+    let keys: Option<Vec<Key>> = own(ProcessFault::shape())
+        .or_else(|| own(Disturbance::shape()).map(of_channel))
+        .or_else(|| own(Falsification::shape()).map(of_sender));
+    keys.into_iter().flatten().chain(schema::keys_of::<BeginKeys>()).collect()
 }
 
 impl Schema for Fault {
@@ -126,36 +97,14 @@ impl Schema for Fault {
     }
 }
 
-impl Fault {
-    /// The keys beside `kind`, part by part.
-    fn written(&self) -> Result<Vec<toml::Table>, toml::ser::Error> {
-        let begin = toml::Table::try_from(BeginKeys::from(self.begin))?;
-        Ok(match &self.effect {
-            Effect::Process(fault) => vec![own(fault)?, begin],
-            Effect::Channel(ChannelFault { disturbance, topic, extent }) => {
-                let topic = toml::Table::try_from(ChannelKeys { topic: *topic })?;
-                vec![own(disturbance)?, topic, toml::Table::try_from(extent)?, begin]
-            }
-            Effect::Sender(SenderFault { falsification, extent }) => {
-                vec![own(falsification)?, toml::Table::try_from(extent)?, begin]
-            }
-        })
-    }
-}
-
-/// The keys of a family's enum, which is written as a table with the kind as its only key.
-fn own(family: &impl Serialize) -> Result<toml::Table, toml::ser::Error> {
-    let kinds = Value::try_from(family)?;
-    let keys = kinds.as_table().and_then(|kinds| kinds.values().next()?.as_table());
-    Ok(keys.cloned().unwrap_or_default())
-}
-
 impl Serialize for Fault {
+    /// By way of TOML, which leaves absent keys out.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let parts = self.written().map_err(serde::ser::Error::custom)?;
+        let keys = FaultKeys { effect: self.effect.clone(), begin: self.begin.into() };
+        let keys = toml::Table::try_from(keys).map_err(S::Error::custom)?;
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", &self.effect.kind())?;
-        for (key, value) in parts.iter().flatten() {
+        for (key, value) in keys.iter().filter(|(key, _)| key.as_str() != "kind") {
             map.serialize_entry(key, value)?;
         }
         map.end()
@@ -164,10 +113,11 @@ impl Serialize for Fault {
 
 impl<'de> Deserialize<'de> for Fault {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let keys = toml::Table::deserialize(deserializer)?;
-        read(keys).map_err(|problem| {
-            serde::de::Error::custom(format!("{}, expected {}", problem.message, problem.expected))
-        })
+        read(toml::Table::deserialize(deserializer)?).map_err(
+            |Problem { message, expected, .. }| {
+                D::Error::custom(format!("{message}, expected {expected}"))
+            },
+        )
     }
 }
 
@@ -212,8 +162,8 @@ mod tests {
             assert_eq!(scenario.faults[0].effect.kind(), kind);
             let again = Scenario::parse("again.toml", &scenario.to_toml()).expect("it was written");
             assert_eq!(again.faults, scenario.faults, "{}", scenario.to_toml());
-            let bytes = scenario.faults[0].to_bytes();
-            assert_eq!(Fault::from_bytes(&bytes).as_ref(), Ok(&scenario.faults[0]));
+            let bytes = Scenario::from_bytes(&scenario.to_bytes());
+            assert_eq!(bytes.as_ref(), Ok(&scenario));
             let json = serde_json::to_string(&scenario.faults[0]).expect("plain data");
             assert_eq!(serde_json::from_str::<Fault>(&json).expect(&json), scenario.faults[0]);
         }

@@ -32,7 +32,6 @@ pub use topic::{BiasedField, NoSuchTopic, TopicName};
 /// Most faults in one scenario.
 pub const MAX_FAULTS: usize = 64;
 
-/// A fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// Start of the fault.

@@ -7,7 +7,7 @@
 macro_rules! kinds {
     ($(
         $(#[$about:meta])*
-        $effect:ident: $family:ident {
+        $family:ident {
             $(
                 $(#[$doc:meta])*
                 $kind:ident = $name:literal $(, on $target:expr)? $(, lasting $length:expr)? => {
@@ -19,6 +19,7 @@ macro_rules! kinds {
         $(
             $(#[$about])*
             #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+            #[serde(tag = "kind")]
             pub enum $family {
                 $(
                     $(#[$doc])*
@@ -30,7 +31,6 @@ macro_rules! kinds {
             }
 
             impl $family {
-                /// Its kind.
                 #[must_use]
                 pub const fn kind(&self) -> Kind {
                     match self {
@@ -50,7 +50,6 @@ macro_rules! kinds {
                     }
                 }
 
-                /// Its length, if its own keys have one.
                 #[allow(unused_variables, reason = "a row names the keys that it needs")]
                 fn length(&self) -> Option<Duration> {
                     match self {
@@ -73,15 +72,6 @@ macro_rules! kinds {
                     #[serde(rename = $name)]
                     $kind,
                 )+)+
-            }
-        }
-
-        impl Kind {
-            /// The family that it belongs to.
-            pub(super) const fn family(self) -> Family {
-                match self {
-                    $($(Self::$kind)|+ => Family::$effect,)+
-                }
             }
         }
     };

@@ -22,7 +22,6 @@ tables! {
 }
 
 impl BiasedField {
-    /// The topic that carries it.
     #[must_use]
     pub const fn topic(self) -> Topic {
         match self {

@@ -22,7 +22,7 @@
 use messages::Service;
 use scenario_derive::tables;
 
-use crate::per_service::PerService;
+use super::PerService;
 use crate::quantity::{Core, DelayMs, Priority, Probability};
 
 tables! {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use messages::Service;
 
-use crate::per_service::PerService;
+use super::PerService;
 use crate::quantity::{Count, DelayMs, Duration};
 use crate::schema::{Schema, Shape};
 
@@ -75,7 +75,6 @@ impl Schema for Standbys {
 }
 
 impl Standbys {
-    /// The services.
     #[must_use]
     pub fn services(self) -> Vec<Service> {
         Service::ALL.into_iter().filter(|service| self.contains(*service)).collect()

@@ -112,7 +112,6 @@ quantities! {
     SignalGroupId: u8, "a signal group id", 1, 254, "";
 }
 
-/// Times as nanoseconds.
 macro_rules! nanoseconds {
     ($($name:ident: |$value:ident| $nanoseconds:expr;)+) => {$(
         impl $name {

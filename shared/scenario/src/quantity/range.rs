@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-/// The range of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range<T> {
     /// The quantity's noun, with its article.
@@ -21,9 +20,7 @@ pub struct Range<T> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{value} is out of range, expected {range}")]
 pub struct OutOfRange<T: End> {
-    /// The number.
     pub value: T,
-    /// The range.
     pub range: Range<T>,
 }
 
@@ -76,7 +73,6 @@ macro_rules! quantities {
         }
 
         impl $name {
-            /// Range of the values.
             pub const RANGE: Range<$number> = Range {
                 what: $what,
                 least: $least,

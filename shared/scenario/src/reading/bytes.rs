@@ -1,4 +1,4 @@
-//! The binary form in which a scenario or a fault reaches a service's process.
+//! The binary form in which a scenario reaches a service's process.
 //!
 //! A text is read once, where a run starts. The values that took effect travel as a tree in postcard's encoding. No
 //! text is parsed again, and every number keeps all its bits.
@@ -8,12 +8,10 @@ use serde::{Deserialize, Serialize};
 use super::document::Document;
 use super::error::ScenarioError;
 use super::open::Place;
-use super::problem::Problem;
 use super::reads::Reads;
-use crate::faults::{self, Fault};
 use crate::{Overrides, Scenario};
 
-/// Reason why bytes are not a scenario or a fault.
+/// Reason why bytes are not a scenario.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DecodeError {
     /// The encoding is damaged, or of another version.
@@ -22,12 +20,8 @@ pub enum DecodeError {
     /// The tree is readable and makes no scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The tree is readable and makes no fault.
-    #[error(transparent)]
-    Fault(#[from] Problem),
 }
 
-/// A value as it travels.
 #[derive(Serialize, Deserialize)]
 enum Value {
     Boolean(bool),
@@ -53,7 +47,9 @@ impl Scenario {
     /// ```
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        encode(self)
+        let tree =
+            toml::Value::try_from(self).expect("every value of a scenario has a form in TOML");
+        postcard::to_allocvec(&Value::from(tree)).expect("a tree in memory has an encoding")
     }
 
     /// Reads what [`Scenario::to_bytes`] wrote.
@@ -61,37 +57,13 @@ impl Scenario {
     /// # Errors
     /// When the bytes are damaged or come from another version of the program.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, DecodeError> {
+        let tree = toml::Value::from(postcard::from_bytes::<Value>(bytes)?);
+        let toml::Value::Table(keys) = tree else {
+            return Err(ScenarioError::whole("scenario", "no table of keys").into());
+        };
         let none = Overrides::new();
-        let document = Document::of_values(decode(bytes)?, &none);
+        let document = Document::of_values(keys, &none);
         Ok(Self::of_document(&document, Place::TakenEffect, &|_| Ok(Reads::everything()))?)
-    }
-}
-
-impl Fault {
-    /// The fault for another process. [`Fault::from_bytes`] reads it back.
-    #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
-        encode(self)
-    }
-
-    /// Reads what [`Fault::to_bytes`] wrote.
-    ///
-    /// # Errors
-    /// When the bytes are damaged or come from another version of the program.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, DecodeError> {
-        Ok(faults::read(decode(bytes)?)?)
-    }
-}
-
-fn encode(value: &impl Serialize) -> Vec<u8> {
-    let tree = toml::Value::try_from(value).expect("every value of a scenario has a form in TOML");
-    postcard::to_allocvec(&Value::from(tree)).expect("a tree in memory has an encoding")
-}
-
-fn decode(bytes: &[u8]) -> Result<toml::Table, DecodeError> {
-    match toml::Value::from(postcard::from_bytes::<Value>(bytes)?) {
-        toml::Value::Table(table) => Ok(table),
-        other => Err(Problem::new("", "no keys", format!("a table, not {other}")).into()),
     }
 }
 
@@ -130,7 +102,7 @@ impl From<Value> for toml::Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builtin;
+    use crate::{Problem, builtin};
     use proptest::prelude::*;
     use std::path::Path;
 

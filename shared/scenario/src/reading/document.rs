@@ -10,11 +10,10 @@ use toml::{Spanned, Table, Value};
 
 use super::error::ScenarioError;
 use super::foreign::Foreign;
-use super::form::{below, child};
+use super::form::{self, below, child};
 use super::overrides::{Overrides, Shown};
 use super::problem::Problem;
 use super::setting::spanned;
-use super::typed;
 
 /// First line of a scenario that a run keeps.
 pub(crate) const KEPT: &str = "# As it took effect: every key is written.\n";
@@ -32,8 +31,10 @@ pub(crate) struct Document<'a> {
 /// Origin of the keys that no option sets.
 #[derive(Clone, Copy)]
 enum Origin<'a> {
-    /// A text in TOML.
-    Text { source: &'a str, text: &'a str },
+    Text {
+        source: &'a str,
+        text: &'a str,
+    },
     /// A file of another format.
     Foreign(&'a Foreign),
     /// A program.
@@ -111,14 +112,13 @@ impl<'a> Document<'a> {
         Self { origin: Origin::Values, overrides, root }
     }
 
-    /// The keys.
     pub(crate) fn root(&self) -> &Table {
         &self.root
     }
 
     /// Reads the document into a type that does not declare its keys.
     pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, ScenarioError> {
-        typed::plain(Value::Table(self.root.clone()), "").map_err(|problem| self.error(&problem))
+        form::plain(Value::Table(self.root.clone()), "").map_err(|problem| self.error(&problem))
     }
 
     /// True if the key was written, in the text or on the command line.

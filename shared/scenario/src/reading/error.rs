@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
+use super::problem::Problem;
+
 /// Reason why a scenario was refused.
 ///
 /// `Display` writes what a person needs to correct it:
@@ -23,7 +25,6 @@ pub struct ScenarioError {
     mark: Option<Box<Mark>>,
 }
 
-/// A marked line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Mark {
     /// Line and column, from 1. An option of the command line has one line and shows no number.
@@ -118,6 +119,17 @@ impl fmt::Display for ScenarioError {
 }
 
 impl std::error::Error for ScenarioError {}
+
+/// Reason why something in a file is not taken.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// A key is wrong; its place is looked up by its path.
+    #[error(transparent)]
+    Key(#[from] Problem),
+    /// Something in another file is wrong, or in the command line.
+    #[error(transparent)]
+    File(#[from] ScenarioError),
+}
 
 /// Most characters of a source line shown before and after the fault.
 const CONTEXT: usize = 100;

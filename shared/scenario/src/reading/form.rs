@@ -1,20 +1,83 @@
-//! Comparison of written values with their declaration, before they are read into types.
+//! Reading of values into types, with the path of what does not fit. Before that they are compared with their
+//! declaration.
 //!
 //! The declaration knows the words that an author needs: the keys of this table, the kinds of that list. A reader by
 //! types alone would also take a list for a table.
 
-use serde::de::Unexpected;
+use serde::de::{DeserializeOwned, Unexpected};
+use serde_path_to_error::Segment;
 use toml::{Table, Value};
 
 use super::problem::Problem;
 use super::words::accepted;
-use crate::schema::{Key, Shape, Variant};
+use crate::schema::{self, Key, Schema, Shape, Variant};
+
+/// Reads a value into a type that declares its keys; `path` is the value's own.
+///
+/// # Errors
+/// The first value or key that does not fit.
+pub(super) fn declared<T: DeserializeOwned + Schema>(
+    value: Value,
+    path: &str,
+) -> Result<T, Problem> {
+    check_form::<T>(&value, path)?;
+    plain(value, path)
+}
+
+/// Compares a value with the declaration of a type; `path` is the value's own.
+///
+/// # Errors
+/// The first value or key that does not have the declared form.
+pub(crate) fn check_form<T: Schema>(value: &Value, path: &str) -> Result<(), Problem> {
+    check(schema::shape_of::<T>(), value, path)
+}
+
+/// Reads a value into a type; `path` is the value's own.
+///
+/// # Errors
+/// The first value or key that does not fit.
+pub(crate) fn plain<T: DeserializeOwned>(value: Value, path: &str) -> Result<T, Problem> {
+    serde_path_to_error::deserialize(value).map_err(|error| {
+        let path = error.path().iter().fold(path.to_owned(), |path, segment| match segment {
+            Segment::Seq { index } => below(&path, index),
+            Segment::Map { key } => below(&path, key),
+            Segment::Enum { variant } => below(&path, variant),
+            Segment::Unknown => path,
+        });
+        in_words(path, error.inner().message())
+    })
+}
+
+/// A reader's sentence in the words of a scenario. Its two parts come apart.
+fn in_words(path: String, said: &str) -> Problem {
+    let (message, expected) = said.split_once(", expected ").unwrap_or((said, ""));
+    let quoted = |text: &str| -> Vec<String> {
+        text.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+    };
+    let word = quoted(message).first().cloned().unwrap_or_default();
+    let known = || {
+        let words = quoted(expected);
+        accepted(&word, words.iter().map(String::as_str))
+    };
+    match message.split_once(" `").map(|(kind, _)| kind) {
+        Some("unknown field") => {
+            Problem::new(path, format!("unknown key `{word}`"), known()).of_key()
+        }
+        Some("unknown variant") => Problem::new(path, format!("unknown value `{word}`"), known()),
+        Some("missing field") => Problem::new(path, format!("missing key `{word}`"), ""),
+        _ if expected.starts_with("a nonzero ") => {
+            Problem::new(path, message, "a whole number of 1 or more")
+        }
+        _ if expected == "a sequence" => Problem::new(path, message, "a list"),
+        _ => Problem::new(path, message, expected),
+    }
+}
 
 /// Compares a value with its declared form.
 ///
 /// # Errors
 /// The first value or key that does not have it.
-pub(super) fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Problem> {
+fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Problem> {
     let wrong = |expected: &str| {
         Err(Problem::new(path, format!("invalid type: {}", found(value)), expected))
     };
@@ -68,25 +131,31 @@ fn table(keys: &[Key], table: &Table, path: &str) -> Result<(), Problem> {
             let message = format!("unknown key `{name}`");
             return Err(Problem::new(path, message, accepted(name, known)).of_key());
         };
-        check(&key.shape, value, &path).map_err(|problem| match &key.expected {
-            Some(expected) if problem.path == path && !problem.is_of_key => {
-                Problem { expected: expected.clone(), ..problem }
-            }
-            _ => problem,
-        })?;
-        let number = value.as_float().or(value.as_integer().map(|number| number as f64));
-        if let (Shape::Number { range: Some((least, most)), .. }, Some(number), Some(expected)) =
-            (&key.shape, number, &key.expected)
-            && !(*least..=*most).contains(&number)
-        {
-            let shown = value.as_integer().map_or(number.to_string(), |whole| whole.to_string());
-            return Err(Problem::new(path, format!("{shown} is out of range"), expected.as_str()));
-        }
+        of_key(key, value, &path)?;
     }
     let missing = keys.iter().find(|key| key.is_required && !table.contains_key(&key.name));
     missing.map_or(Ok(()), |key| {
         Err(Problem::new(path, format!("missing key `{}`", key.name), String::new()))
     })
+}
+
+/// The value of a key, in its range.
+fn of_key(key: &Key, value: &Value, path: &str) -> Result<(), Problem> {
+    check(&key.shape, value, path).map_err(|problem| match &key.expected {
+        Some(expected) if problem.path == path && !problem.is_of_key => {
+            Problem { expected: expected.clone(), ..problem }
+        }
+        _ => problem,
+    })?;
+    let number = value.as_float().or(value.as_integer().map(|number| number as f64));
+    if let (Shape::Number { range: Some((least, most)), .. }, Some(number), Some(expected)) =
+        (&key.shape, number, &key.expected)
+        && !(*least..=*most).contains(&number)
+    {
+        let shown = value.as_integer().map_or(number.to_string(), |whole| whole.to_string());
+        return Err(Problem::new(path, format!("{shown} is out of range"), expected.as_str()));
+    }
+    Ok(())
 }
 
 /// A word, or a table with a word as its only key.
@@ -152,7 +221,7 @@ fn kind(kinds: &[(String, Vec<Key>)], table: &Table, path: &str) -> Result<(), P
         return refuse(path.to_owned(), message, format!("`{name}`"));
     }
     let mut written = keys.iter().filter_map(|key| Some((key, table.get(&key.name)?)));
-    written.try_for_each(|(key, value)| check(&key.shape, value, &below(path, &key.name)))
+    written.try_for_each(|(key, value)| of_key(key, value, &below(path, &key.name)))
 }
 
 /// The path of a key or an index of the value at `path`.

@@ -9,8 +9,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
+use super::form;
 use super::problem::Problem;
-use super::typed;
 use crate::schema::Schema;
 
 /// Tables of `[controller]` that have a type in this crate.
@@ -33,7 +33,7 @@ impl LawTables {
     /// The place of a key or a value that the type does not accept.
     pub fn read<T: DeserializeOwned + Schema>(&self, name: &str) -> Result<T, Problem> {
         let table = self.0.get(name).cloned().unwrap_or_default();
-        typed::declared(Value::Table(table), &format!("controller.{name}"))
+        form::declared(Value::Table(table), &format!("controller.{name}"))
     }
 
     /// A complaint about the name of a table that was written.

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use openscenario::xml::MAX_FILE_BYTES;
 
 use super::document::{Document, MAX_TEXT_BYTES};
+use super::error::Refusal;
 use super::problem::Problem;
-use super::refusal::Refusal;
 use super::text_file::{TextFileError, read};
 use crate::Scenario;
 use crate::actor::{Actor, Profile};
-use crate::plan::{AlongRoad, DrivenLine, Lanes, Start};
+use crate::plan::{Lanes, Start};
 use crate::recorded::{self, READING};
-use crate::road::{self, Heights};
+use crate::road;
 
 /// Fills in what the scenario takes from files: the actors' recorded motions, the road. `own` is the scenario
 /// file's directory. Returns remarks on the records.
@@ -26,9 +26,9 @@ pub(super) fn load(
     for (index, actor) in scenario.actors.iter_mut().enumerate() {
         notes.extend(load_record(actor, index, document, own)?);
     }
-    if let Heights::Csv { file, points } = &mut scenario.road.heights
-        && let is_set = is_set(document, "road.csv", "road.points")
-        && let Some(path) = to_read(file, own, is_set, points.is_empty())
+    let (road, is_set) = (&mut scenario.road, is_set(document, "road.csv", "road.points"));
+    if let Some(file) = &road.csv
+        && let Some(path) = to_read(file, own, is_set, road.points.is_empty())
     {
         let text = read(&path, MAX_TEXT_BYTES).map_err(|reason| {
             let message = format!("{} {reason}", path.display());
@@ -36,7 +36,7 @@ pub(super) fn load(
             Problem::new("road.csv", message, expected)
         })?;
         let profile = road::parse_csv(&path.display().to_string(), &text)?;
-        *points = road::points_of(&profile);
+        road.points = road::points_of(&profile);
     }
     notes.extend(load_plan(scenario, document, own)?);
     let file = scenario.traffic.sumo.as_ref().and_then(|file| {
@@ -110,16 +110,16 @@ fn load_plan(
         |error: &::road::AxisError| Problem::new(FILE, error.to_string(), error.expected());
     let heights = lane.road.heights_along(&lane.line).map_err(|error| refuse(&error))?;
     let lines = lane.road.lane_lines(&lane.line).map_err(|error| refuse(&error))?;
-    opendrive.line = Some(DrivenLine(lane.line));
+    opendrive.line = Some(lane.line);
     if !document.has("road.plan.start") {
         plan.start = Start::of_pose(&lane.start);
     }
     if !document.has("road.plan.lanes") {
         let lanes = Lanes::beside(lane.beside, lane.width_m);
-        plan.lanes = Lanes { along: AlongRoad(lines), ..lanes };
+        plan.lanes = Lanes { along: lines, ..lanes };
     }
     if scenario.road.is_level() && !heights.is_empty() {
-        scenario.road.heights = Heights::Points(road::points(&heights)?);
+        scenario.road.points = road::points(&heights)?;
     }
     Ok(lane.notices)
 }
@@ -158,7 +158,7 @@ mod tests {
         overrides.set(crate::Setting::new("road", crate::table! { csv: relative }));
         let opened = Scenario::open("truck-hills", &overrides, &|_| Ok(Default::default()))
             .expect("a scenario");
-        let Heights::Csv { points, .. } = &opened.road.heights else { panic!("{:?}", opened.road) };
+        let points = &opened.road.points;
         assert_eq!(points.len(), 2);
         let kept = directory.join("scenario.toml");
         let other = opened.to_toml().replace("400.0", "500.0");
@@ -167,9 +167,7 @@ mod tests {
         overrides.set("road.csv=road.csv".parse().expect("a setting"));
         let again =
             Scenario::open(&kept.to_string_lossy(), &overrides, &|_| Ok(Default::default()));
-        let again = again.expect("a scenario").road.heights;
-        let Heights::Csv { points: read, .. } = again else { panic!() };
-        assert_eq!(&read, points);
+        assert_eq!(&again.expect("a scenario").road.points, points);
         std::fs::write(directory.join("lead.csv"), "time_s,speed_mps\n0,20\n9,20\n")
             .expect("writable");
         let lead = format!("{up}{}", directory.join("lead.csv").display());

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! text ─► values ─► overrides laid over ─► form checked ─► types ─► completed, checked
-//!        (document)     (overrides)        (form, typed)            (load, open, crate::check)
+//!        (document)     (overrides)        (form)                   (load, open, crate::check)
 //!                                               │
 //!                              Problem: a path ─► place in the text (document) ─► ScenarioError (error)
 //! ```
@@ -18,9 +18,7 @@ mod open;
 mod overrides;
 mod problem;
 mod reads;
-mod refusal;
 mod setting;
-mod typed;
 
 pub(crate) mod csv;
 pub(crate) mod text_file;
@@ -28,18 +26,17 @@ pub(crate) mod words;
 
 pub use bytes::DecodeError;
 pub use document::MAX_TEXT_BYTES;
-pub use error::ScenarioError;
+pub use error::{Refusal, ScenarioError};
 pub use law_tables::LawTables;
 pub use open::Source;
 pub use overrides::Overrides;
 pub use problem::Problem;
 pub use reads::Reads;
-pub use refusal::Refusal;
 pub use setting::{Setting, option_value};
 
 pub(crate) use document::{Document, KEPT};
 pub(crate) use foreign::Foreign;
+pub(crate) use form::{check_form, plain};
 #[cfg(test)]
 pub(crate) use open::Place;
 pub(crate) use problem::refuse;
-pub(crate) use typed::{check_form, plain};

@@ -5,15 +5,14 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use super::document::{Document, MAX_TEXT_BYTES};
-use super::error::ScenarioError;
+use super::error::{Refusal, ScenarioError};
 use super::law_tables::LawTables;
 use super::load::load;
 use super::overrides::Overrides;
 use super::problem::Problem;
 use super::reads::{self, Reads};
-use super::refusal::Refusal;
 use super::setting::Setting;
-use super::{text_file, typed};
+use super::{form, text_file};
 use crate::controller::Release;
 use crate::quantity::PeriodMs;
 use crate::storyboard::Storyboard;
@@ -147,9 +146,9 @@ impl Scenario {
         }
         let tables = LawTables::take_from(&mut keys);
         let mut keys = Value::Table(keys);
-        typed::check_form::<Self>(&keys, "").map_err(Self::or_elsewhere)?;
+        form::check_form::<Self>(&keys, "").map_err(Self::or_elsewhere)?;
         let faults = faults::take_from(&mut keys)?;
-        let mut scenario: Self = typed::plain(keys, "")?;
+        let mut scenario: Self = form::plain(keys, "")?;
         scenario.controller.tables = tables;
         scenario.faults = faults;
         Ok(scenario)
@@ -214,7 +213,6 @@ impl Scenario {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// Its name in errors.
     name: String,
     text: String,
     root: Table,

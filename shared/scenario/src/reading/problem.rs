@@ -6,7 +6,6 @@
 pub struct Problem {
     /// Dotted path of the offending key, array elements by their index: `actors.0.gap_m`.
     pub path: String,
-    /// Fault.
     pub message: String,
     /// Expected value; empty if the message says it.
     pub expected: String,

@@ -12,13 +12,11 @@
 use scenario_derive::tables;
 use std::path::PathBuf;
 
+use ::road::grade::{Alignment, GradeProfile, MAX_POINTS, Point, ProfileFault, generate};
 use serde::{Deserialize, Serialize};
 
 use crate::Problem;
 use crate::ScenarioError;
-use crate::grade::{
-    Alignment, BuiltinRoad, GradeProfile, MAX_POINTS, Point, ProfileError, generate,
-};
 use crate::plan::Plan;
 use crate::quantity::{
     Distance, GradeMagnitude, GradePercent, Height, Length, Reach, RoadLength, Seed,
@@ -27,40 +25,9 @@ use crate::reading::csv::Table;
 use crate::reading::refuse;
 use crate::schema::Schema;
 
-/// The road.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
-#[serde(from = "RoadKeys", into = "RoadKeys")]
-pub struct Road {
-    /// Height of the road.
-    pub heights: Heights,
-    /// Its course in the plane; `None` for a straight road in scenarios without the plane.
-    pub plan: Option<Plan>,
-}
-
-/// Heights of the road. Beyond its ends it is level.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Heights {
-    /// None are given.
-    #[default]
-    Level,
-    /// A road that comes with the program.
-    Builtin(BuiltinRoad),
-    /// A CSV file.
-    Csv {
-        /// The file; a relative path starts at the scenario file's directory.
-        file: PathBuf,
-        /// Its content when the scenario was opened.
-        points: Vec<RoadPoint>,
-    },
-    /// A road made by a random generator.
-    Generated(Generated),
-    /// The points themselves.
-    Points(Vec<RoadPoint>),
-}
-
 tables! {
-    /// The keys of `[road]`.
-    pub struct RoadKeys {
+    /// The road: one source of heights at most, and its plan. Beyond its ends it is level.
+    pub struct Road {
         /// A road that comes with the program.
         pub builtin: Option<BuiltinRoad>,
         /// A CSV file; a relative path starts at the scenario file's directory, with `--set` also at the present one.
@@ -72,6 +39,13 @@ tables! {
         pub points: Vec<RoadPoint> = default,
         /// The course of the road in the plane; absent: a straight road, and no messages of the plane.
         pub plan: Option<Plan>,
+    }
+
+    /// A road compiled into the program.
+    pub enum BuiltinRoad {
+        /// [`HILLS_60KM`].
+        #[serde(rename = "hills-60km")]
+        Hills60km,
     }
 
     /// A hilly highway of a seed.
@@ -96,34 +70,6 @@ tables! {
     }
 }
 
-impl From<RoadKeys> for Road {
-    /// Takes one source of heights; [`one_source`] refuses several.
-    fn from(keys: RoadKeys) -> Self {
-        let RoadKeys { builtin, csv, generated, points, plan } = keys;
-        let heights = match (builtin, csv, generated) {
-            (Some(builtin), ..) => Heights::Builtin(builtin),
-            (None, Some(file), _) => Heights::Csv { file, points },
-            (None, None, Some(generated)) => Heights::Generated(generated),
-            (None, None, None) if points.is_empty() => Heights::Level,
-            (None, None, None) => Heights::Points(points),
-        };
-        Self { heights, plan }
-    }
-}
-
-impl From<Road> for RoadKeys {
-    fn from(Road { heights, plan }: Road) -> Self {
-        let none = Self { plan, ..Self::default() };
-        match heights {
-            Heights::Level => none,
-            Heights::Builtin(builtin) => Self { builtin: Some(builtin), ..none },
-            Heights::Csv { file, points } => Self { csv: Some(file), points, ..none },
-            Heights::Generated(generated) => Self { generated: Some(generated), ..none },
-            Heights::Points(points) => Self { points, ..none },
-        }
-    }
-}
-
 /// Checks that the keys that were written name one source of heights at most; the points beside a file are the file's.
 pub(crate) fn one_source(is_written: impl Fn(&str) -> bool) -> Result<(), Problem> {
     let points = if is_written("road.csv") { "road.csv" } else { "road.points" };
@@ -142,22 +88,22 @@ pub(crate) fn one_of<const N: usize>(
         "one source for the {thing}", against "{first}")
 }
 
+/// Sixty kilometres of synthetic hilly motorway, closed in height: `distance_m,height_m`.
+pub const HILLS_60KM: &str = include_str!("../../roads/hills-60km.csv");
+
 /// A point of a road: `[distance_m, height_m]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(expecting = "a point [distance_m, height_m]")]
 pub struct RoadPoint(pub Distance, pub Height);
 
 impl Road {
-    /// A road of these heights without a plan.
-    #[must_use]
-    pub fn of_heights(heights: Heights) -> Self {
-        Self { heights, plan: None }
-    }
-
     /// True if no heights are given.
     #[must_use]
     pub fn is_level(&self) -> bool {
-        self.heights == Heights::Level
+        self.builtin.is_none()
+            && self.csv.is_none()
+            && self.generated.is_none()
+            && self.points.is_empty()
     }
 
     /// The road in the plane, if it has one.
@@ -171,32 +117,19 @@ impl Road {
     /// # Errors
     /// When the points are not a road, or the file has not been read.
     pub fn profile(&self) -> Result<GradeProfile, Problem> {
-        self.heights.profile()
-    }
-}
-
-impl Heights {
-    fn profile(&self) -> Result<GradeProfile, Problem> {
-        let points = match self {
-            Self::Builtin(builtin) => {
-                return Ok(parse_csv("built-in road", builtin.csv())
-                    .expect("a test reads every built-in road"));
-            }
-            Self::Generated(generated) => return generated.profile(),
-            Self::Csv { points, .. } if points.is_empty() => {
-                return Err(Problem::new(
-                    "road.csv",
-                    "the file has not been read, for this scenario is not a file itself",
-                    "points, or a scenario file",
-                ));
-            }
-            Self::Csv { points, .. } | Self::Points(points) => points.as_slice(),
-            Self::Level => &[],
-        };
+        if let Some(BuiltinRoad::Hills60km) = self.builtin {
+            return Ok(parse_csv("built-in road", HILLS_60KM).expect("a test reads it"));
+        }
+        if let Some(generated) = &self.generated {
+            return generated.profile();
+        }
+        refuse!(if self.csv.is_some() && self.points.is_empty(), "road.csv":
+            "the file has not been read, for this scenario is not a file itself",
+            "points, or a scenario file");
         let point =
             |point: &RoadPoint| Point { distance_m: point.0.value(), height_m: point.1.value() };
-        GradeProfile::new(points.iter().map(point).collect()).map_err(|error| {
-            let path = format!("road.points.{}", error.index());
+        GradeProfile::new(self.points.iter().map(point).collect()).map_err(|error| {
+            let path = format!("road.points.{}", error.index);
             Problem::new(path, error.to_string(), error.expected())
         })
     }
@@ -243,7 +176,10 @@ pub(crate) fn points_of(profile: &GradeProfile) -> Vec<RoadPoint> {
 
 /// Reads a road from a CSV text. It has the column `distance_m` and one of `height_m` and `grade_percent`; the grade's
 /// value holds up to the next line's distance.
-pub(crate) fn parse_csv(source: &str, text: &str) -> Result<GradeProfile, ScenarioError> {
+///
+/// # Errors
+/// When the text is not such a table; shows the line.
+pub fn parse_csv(source: &str, text: &str) -> Result<GradeProfile, ScenarioError> {
     const COLUMNS: &str = "distance_m,height_m or distance_m,grade_percent";
     let table = Table::split(source, text);
     let distance = table.column("distance_m", COLUMNS)?;
@@ -278,9 +214,9 @@ pub(crate) fn parse_csv(source: &str, text: &str) -> Result<GradeProfile, Scenar
         points.push(Point { distance_m, height_m });
     }
     GradeProfile::new(points).map_err(|error| {
-        let is_of_heights = matches!(error, ProfileError::TooSteep { .. });
+        let is_of_heights = matches!(error.fault, ProfileFault::TooSteep(_));
         let column = if is_of_heights { value } else { distance };
-        table.fault(error.index(), column, &error.to_string()).expecting(error.expected())
+        table.fault(error.index, column, &error.to_string()).expecting(error.expected())
     })
 }
 
@@ -295,7 +231,7 @@ mod tests {
 
     #[test]
     fn the_built_in_road_is_sixty_kilometres_closed_within_three_percent() {
-        let road = parse_csv("hills", BuiltinRoad::Hills60km.csv()).expect("a right road");
+        let road = parse_csv("hills", HILLS_60KM).expect("a right road");
         assert_eq!((road.end_m(), road.height_m(60e3)), (60e3, 0.0));
         let grades = road.points().windows(2).map(|pair| road.grade(pair[0].distance_m));
         let steepest = grades.fold(0.0_f64, |most, grade| most.max(grade.abs()));
@@ -343,10 +279,6 @@ mod tests {
             "{said}"
         );
         let file: Road = toml::from_str(&format!("csv = \"a.csv\"\n{points}")).expect("one");
-        let points = match file.heights {
-            Heights::Csv { points, .. } => points.len(),
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(points, 2, "the file's points");
+        assert!(file.csv.is_some() && file.points.len() == 2, "the file's points");
     }
 }

@@ -40,11 +40,8 @@ pub trait Schema: Sized + 'static {
 /// A value's type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// `true` or `false`.
     Boolean,
-    /// A number.
     Number {
-        /// True for whole numbers.
         is_whole: bool,
         /// Smallest and largest value; none if every value is accepted. [`Key::expected`] names an end that is not
         /// part of the range.
@@ -52,7 +49,6 @@ pub enum Shape {
         /// Unit; empty for a number without one, and for one whose key alone names it.
         unit: &'static str,
     },
-    /// A text.
     Text {
         /// The accepted texts; empty if there are others.
         words: Vec<String>,
@@ -74,18 +70,14 @@ pub enum Shape {
 /// A word of a [`Shape::Choice`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
-    /// The word.
     pub name: String,
-    /// Meaning.
     pub meaning: String,
     /// Form of the value that the word is the key of; none for a word alone.
     pub shape: Option<Shape>,
 }
 
-/// A key of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// Name.
     pub name: String,
     /// Type of its value.
     pub shape: Shape,
@@ -95,7 +87,6 @@ pub struct Key {
     pub is_required: bool,
     /// Value of a key that is left out, as TOML; none if such a key has no value.
     pub default: Option<toml::Value>,
-    /// Meaning.
     pub meaning: String,
 }
 

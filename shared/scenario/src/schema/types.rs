@@ -3,6 +3,8 @@
 use super::{Schema, Shape, Variant};
 use messages::Service;
 use openscenario::model::action::Shape as Course;
+use openscenario::road::Driven;
+use road::LaneLines;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -65,6 +67,21 @@ impl<T: 'static> Schema for BTreeMap<String, T> {
     }
 }
 
+/// Lines of lanes: a list of stations.
+impl Schema for LaneLines {
+    fn shape() -> Shape {
+        let number = Shape::Number { is_whole: false, range: None, unit: "m" };
+        Shape::List(Box::new(Shape::List(Box::new(number))))
+    }
+}
+
+/// A line along a road of a file: reading the file fills it.
+impl Schema for Driven {
+    fn shape() -> Shape {
+        Shape::Free
+    }
+}
+
 /// A table that its reader keeps as it is.
 impl Schema for toml::Table {
     fn shape() -> Shape {
@@ -87,7 +104,6 @@ impl Schema for Course {
     }
 }
 
-/// One of these words.
 fn words<const N: usize>(names: [&str; N]) -> Shape {
     let variant =
         |name: &str| Variant { name: name.to_owned(), meaning: String::new(), shape: None };

@@ -18,23 +18,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum CarrierAddress {
-    /// UDP datagrams.
     Udp {
         /// A multicast group, or the vehicle's own address.
         address: SocketAddr,
         /// Network interface to send and receive on; absent: the kernel's choice.
         interface: Option<String>,
     },
-    /// zenoh.
     Zenoh {
         /// zenoh's configuration file; absent: zenoh's own defaults.
         configuration: Option<PathBuf>,
     },
     /// A capture, pcap or pcapng.
-    Capture {
-        /// The file.
-        file: PathBuf,
-    },
+    Capture { file: PathBuf },
 }
 
 /// Text that is not a carrier's address.

@@ -1,6 +1,5 @@
 //! The tables of the roadside: signals, maps, and the radio that carries them.
 
 pub mod carrier;
-pub mod preview;
 pub mod radio;
 pub mod v2x;

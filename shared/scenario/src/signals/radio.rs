@@ -33,12 +33,10 @@ pub enum RadioError {
     /// It is neither a known word nor an address.
     #[error("`{0}` is not a radio, expected {RADIOS}")]
     Unknown(String),
-    /// The address of a carrier is wrong.
     #[error(transparent)]
     Address(CarrierAddressError),
 }
 
-/// The radios in words.
 const RADIOS: &str =
     "one of direct, frames, udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5, pcap:FILE";
 

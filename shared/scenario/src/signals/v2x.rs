@@ -2,13 +2,13 @@
 
 use scenario_derive::tables;
 
-use crate::preview::Preview;
-use crate::quantity::{Distance, Duration, IntersectionId, PeriodMs, Reach, SignalGroupId, Time};
+use crate::quantity::{
+    Distance, Duration, IntersectionId, MapShift, Percent, PeriodMs, Reach, SignalGroupId, Time,
+};
 use crate::radio::{Air, Obu, Origin, Radio, Unit};
 
 /// Most signals of a scenario.
 pub const MAX_SIGNALS: usize = 64;
-/// Most phases of one program.
 pub const MAX_PROGRAM_PHASES: usize = 64;
 
 tables! {
@@ -42,6 +42,18 @@ tables! {
         /// The on-board unit, with frames.
         #[sparse]
         pub obu: Obu = default,
+    }
+
+    /// Faults of the maps. Without any they are exact.
+    #[derive(Copy)]
+    pub struct Preview {
+        /// Distance by which everything on the maps is too far ahead, m.
+        pub shift_m: MapShift = 0.0,
+        /// Standard deviation of an error of each cell, made from the run's seed. A grade's is in percentage points, a
+        /// curvature's in percent of it.
+        pub noise_percent: Percent = 0.0,
+        /// End of the maps, m; absent: they have no end.
+        pub ends_at_m: Option<Distance>,
     }
 
     /// A signal group on the ego's lane with a fixed-time program.

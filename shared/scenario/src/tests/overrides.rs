@@ -146,7 +146,7 @@ fn an_option_replaces_an_actors_profile() {
     let text = "schema_version = 1\nname = \"x\"\n[[actors]]\nname = \"a\"\ngap_m = 9\n\
         initial_speed_mps = 3\nprofile.sine = { amplitude_mps2 = 1, period_s = 9 }\n";
     let scenario = open(text, &["actors[0].profile.cycle=\"udds\""]).expect("one profile is left");
-    assert_eq!(scenario.actors[0].profile, actor::Profile::Cycle(cycle::Cycle::Udds));
+    assert_eq!(scenario.actors[0].profile, actor::Profile::Cycle(speeds::Cycle::Udds));
     let scenario = open(text, &["actors.0.profile.sine.period_s=4"]).expect("it changes one key");
     assert_eq!(scenario.actors[0].initial_speed_mps.map(f64::from), Some(3.0));
     let refused = open(text, &["actors[0.gap_m=4"]).expect_err("the bracket stays open");

@@ -2,14 +2,13 @@
 
 use scenario_derive::tables;
 
-use crate::cycle::Cycle;
 use crate::event::{ActorEvent, VEHICLE_WIDTH_M};
 use crate::name::Name;
 use crate::quantity::{
     Acceleration, AccelerationMagnitude, Distance, Duration, Lateral, Length, Speed, Time,
 };
 use crate::recorded::CsvFile;
-use crate::speeds::SpeedPoint;
+use crate::speeds::{Cycle, SpeedPoint};
 
 /// Most actors of a scenario: as many as the messages of a step carry.
 pub const MAX_ACTORS: usize = messages::MAX_VEHICLES;

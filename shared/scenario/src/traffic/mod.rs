@@ -1,7 +1,6 @@
 //! The tables of the other vehicles: profiles, events, recorded motions, and OpenSCENARIO's storyboards.
 
 pub mod actor;
-pub mod cycle;
 pub mod event;
 pub mod recorded;
 pub mod speeds;

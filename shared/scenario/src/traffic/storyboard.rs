@@ -25,7 +25,6 @@ pub struct Storyboard {
     /// The file's parameters with the values that took effect.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, String>,
-    /// Its content.
     pub script: Script,
 }
 

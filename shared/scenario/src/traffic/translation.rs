@@ -16,7 +16,7 @@ use road::AxisError;
 use serde::Serialize;
 
 use crate::actor::MAX_ACTORS;
-use crate::plan::{AlongRoad, DrivenLine, Lanes, OpendriveRoad, Start};
+use crate::plan::{Lanes, OpendriveRoad, Start};
 use crate::quantity::{Distance, LaneId};
 use crate::reading::Foreign;
 use crate::schema::is_default;
@@ -41,7 +41,6 @@ pub enum OpenError {
     Start {
         /// The file, with the place where it says how the entity begins.
         place: String,
-        /// The fault.
         cause: WorldError,
     },
     /// The line along which the ego drives is not a road.
@@ -49,13 +48,11 @@ pub enum OpenError {
     Road {
         /// The file, with the place where it says how the ego begins.
         place: String,
-        /// The fault.
         cause: AxisError,
     },
     /// It has more actors than a scenario takes.
     #[error("error: {file}: {count} entities beside the ego, expected at most {MAX_ACTORS}")]
     Actors {
-        /// The file.
         file: String,
         /// Number of elements.
         count: usize,
@@ -219,12 +216,12 @@ fn road_of(script: &Script, world: &World) -> Result<(RoadKeys, Option<Way>), Ax
         road: part.map_or(String::new(), |part| part.id.clone()),
         lane: LaneId::try_from(i64::from(lane.id)).unwrap_or(LaneId::of(0)),
         s_m: Distance::try_from(front_s_m).unwrap_or(Distance::of(0.0)),
-        line: Some(DrivenLine(line)),
+        line: Some(line),
         of_storyboard: true,
     };
     let start = Start::of_pose(&begin.placed(&road.start()));
     let lanes = Lanes::beside(road.neighbours(&lane, front_s_m), lane.width_m);
-    let lanes = Lanes { along: AlongRoad(lines), ..lanes };
+    let lanes = Lanes { along: lines, ..lanes };
     let plan = Some(PlanKeys { opendrive, start, lanes });
     Ok((RoadKeys { plan, points }, Some(Way { axis: Arc::new(axis), start: begin })))
 }

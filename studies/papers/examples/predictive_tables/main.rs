@@ -12,7 +12,8 @@ use families::FAMILIES;
 use papers::trips::{Comparison, Map, Road, Trip, generated as generated_road};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
-use scenario::grade::{GradeProfile, HILLS_60KM, Point};
+use scenario::grade::{GradeProfile, Point};
+use scenario::road::HILLS_60KM;
 use std::ops::RangeInclusive;
 use truck_model::{Preset, Truck};
 

@@ -1,7 +1,8 @@
 //! The roads of these tests.
 
 use papers::trips::Road;
-use scenario::grade::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
+use scenario::grade::{Alignment, GradeProfile, Point, generate};
+use scenario::road::HILLS_60KM;
 
 /// Set speed, m/s.
 pub(crate) const SET_MPS: f64 = 75.0 / 3.6;

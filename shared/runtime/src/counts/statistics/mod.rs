@@ -15,7 +15,6 @@ const HIGHEST_NS: u64 = 60_000_000_000;
 
 /// Leading bits of a duration that determine its bucket: two decimal digits need 200 steps.
 const DIGIT_BITS: u32 = 8;
-/// Buckets of a histogram.
 const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
 
 /// A histogram in shared memory. The extremes are as [`Extremes`] has them.
@@ -56,7 +55,6 @@ const fn longest_ns(bucket: usize) -> u64 {
 #[serde(from = "Vec<(u64, u64)>", into = "Vec<(u64, u64)>")]
 pub struct Latencies(Counts);
 
-/// Place of the counts.
 #[derive(Debug)]
 enum Counts {
     Own(OwnBuckets),

@@ -14,7 +14,7 @@
 mod opendrive;
 mod piece;
 
-pub use opendrive::{DrivenLine, OpendriveRoad};
+pub use opendrive::OpendriveRoad;
 pub use piece::{PlanPiece, Turn};
 pub use road::offset_at;
 
@@ -27,7 +27,7 @@ use crate::Problem;
 use crate::quantity::{Coordinate, CurveRadius, HeadingDeg, LaneCount, Length, PieceLength};
 use crate::quantity::{RoadLength, Seed};
 use crate::reading::refuse;
-use crate::schema::{Schema, Shape};
+use crate::schema::Schema;
 
 /// The road in the plane. Outside its ends it goes on straight.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, Schema)]
@@ -48,7 +48,6 @@ pub struct Plan {
     /// Place and heading of the road's beginning in the plane.
     #[serde(skip_serializing_if = "crate::schema::is_default")]
     pub start: Start,
-    /// The lanes.
     pub lanes: Lanes,
     /// The axis, once it was asked for.
     #[serde(skip)]
@@ -106,7 +105,7 @@ tables! {
         /// ..]`: the place along the ego's lane, and the lines there from right to left, m from its middle. Filled from
         /// an OpenDRIVE file.
         #[sparse]
-        pub along: AlongRoad = default,
+        pub along: road::LaneLines = default,
     }
 }
 
@@ -114,18 +113,6 @@ tables! {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(expecting = "two lengths [shortest_m, longest_m]")]
 pub struct SpiralLengths(pub PieceLength, pub PieceLength);
-
-/// Lines of lanes along a road.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct AlongRoad(pub road::LaneLines);
-
-impl Schema for AlongRoad {
-    fn shape() -> Shape {
-        let number = Shape::Number { is_whole: false, range: None, unit: "m" };
-        Shape::List(Box::new(Shape::List(Box::new(number))))
-    }
-}
 
 impl Lanes {
     /// Offset of the road's left edge from the axis, m, where nothing is said along the road.
@@ -143,8 +130,7 @@ impl Lanes {
     /// Offsets of the right and the left edge from the axis at a place, m.
     #[must_use]
     pub fn edges_m(&self, p_m: f64) -> [f64; 2] {
-        let AlongRoad(along) = &self.along;
-        along.edges_m(p_m).unwrap_or_else(|| [self.right_edge_m(), self.left_edge_m()])
+        self.along.edges_m(p_m).unwrap_or_else(|| [self.right_edge_m(), self.left_edge_m()])
     }
 
     /// The lines of the lanes between two places as points `[p, l]` along and across the axis, m. A line may have two
@@ -158,9 +144,8 @@ impl Lanes {
     /// ```
     #[must_use]
     pub fn lines(&self, from_m: f64, to_m: f64) -> Vec<Vec<[f64; 2]>> {
-        let AlongRoad(along) = &self.along;
-        if !along.is_empty() {
-            return along.between(from_m, to_m);
+        if !self.along.is_empty() {
+            return self.along.between(from_m, to_m);
         }
         let count = self.left.value() + self.right.value() + 1;
         let offset = |line| self.right_edge_m() + f64::from(line) * self.width_m.value();
@@ -214,7 +199,7 @@ impl Plan {
         road::Axis::new(&self.geometry()?).map_err(|error| {
             let path = match self.pieces.is_empty() {
                 true => "road.plan".to_owned(),
-                false => format!("road.plan.pieces.{}", error.piece()),
+                false => format!("road.plan.pieces.{}", error.piece),
             };
             Problem::new(path, error.to_string(), error.expected())
         })

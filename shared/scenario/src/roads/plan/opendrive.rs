@@ -1,15 +1,13 @@
 //! A road's plan from an OpenDRIVE file.
 
-use scenario_derive::tables;
 use std::path::{Path, PathBuf};
 
 use openscenario::road::{Driven, DrivenLane, driven_lane};
-use serde::{Deserialize, Serialize};
+use scenario_derive::tables;
 
 use super::{Lanes, Start};
 use crate::Problem;
 use crate::quantity::{Coordinate, Distance, HeadingDeg, LaneCount, LaneId, Length};
-use crate::schema::{Schema, Shape};
 
 tables! {
     /// A lane of a road of an OpenDRIVE file, with the roads that follow it by their links.
@@ -23,22 +21,10 @@ tables! {
         /// Place of the ego's front bumper at the start along the road, m.
         pub s_m: Distance = 0.0,
         /// Content of the file when the scenario was opened: the line that the ego drives along.
-        pub line: Option<DrivenLine>,
+        pub line: Option<Driven>,
         /// The storyboard's road: a translation sets it.
         #[sparse]
         pub of_storyboard: bool = default,
-    }
-}
-
-/// A line along a road of an OpenDRIVE file, as it was read.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct DrivenLine(pub Driven);
-
-impl Schema for DrivenLine {
-    /// Reading a file fills it.
-    fn shape() -> Shape {
-        Shape::Free
     }
 }
 
@@ -60,7 +46,7 @@ impl OpendriveRoad {
         let refuse = |message: String, expected: String| {
             Err(Problem::new("road.plan.opendrive", message, expected))
         };
-        let Some(DrivenLine(line)) = &self.line else {
+        let Some(line) = &self.line else {
             let message = "the file has not been read, for this scenario is not a file itself";
             return refuse(message.to_owned(), "a scenario file".to_owned());
         };

@@ -1,44 +1,27 @@
 //! The pieces of a plan.
 
 use scenario_derive::tables;
-use serde::{Deserialize, Serialize};
 
 use crate::Problem;
 use crate::quantity::{CurveRadius, PieceLength};
-use crate::schema::{Key, Schema, Shape};
-
-/// A piece of the road.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, deny_unknown_fields)]
-#[serde(
-    expecting = "these keys are not a piece of a road, expected { line_m }, { spiral_m } or { arc_m, radius_m, turn }"
-)]
-pub enum PlanPiece {
-    /// A straight line.
-    Line {
-        /// Length, m.
-        #[serde(rename = "line_m")]
-        length_m: PieceLength,
-    },
-    /// A circular arc.
-    Arc {
-        /// Length, m.
-        #[serde(rename = "arc_m")]
-        length_m: PieceLength,
-        /// Radius, m.
-        radius_m: CurveRadius,
-        /// Side to which it turns.
-        turn: Turn,
-    },
-    /// A clothoid that joins the curvatures of its neighbours.
-    Spiral {
-        /// Length, m.
-        #[serde(rename = "spiral_m")]
-        length_m: PieceLength,
-    },
-}
 
 tables! {
+    /// A piece of the road: `{ line_m }`, `{ spiral_m }` or `{ arc_m, radius_m, turn }`. A spiral is a clothoid that
+    /// joins the curvatures of its neighbours.
+    #[derive(Copy)]
+    pub struct PlanPiece {
+        /// Length of a straight line, m.
+        pub line_m: Option<PieceLength>,
+        /// Length of a circular arc, m.
+        pub arc_m: Option<PieceLength>,
+        /// Length of a clothoid, m.
+        pub spiral_m: Option<PieceLength>,
+        /// Radius of an arc, m.
+        pub radius_m: Option<CurveRadius>,
+        /// Side to which an arc turns.
+        pub turn: Option<Turn>,
+    }
+
     /// Side to which an arc turns.
     pub enum Turn {
         /// To the left.
@@ -48,52 +31,54 @@ tables! {
     }
 }
 
-impl Schema for PlanPiece {
-    /// The keys of all pieces.
-    fn shape() -> Shape {
-        let length = |name, meaning| Key::of::<PieceLength>(name, meaning, Some(None));
-        Shape::Table(vec![
-            length("line_m", "Length of a straight line, m."),
-            length("arc_m", "Length of a circular arc, m."),
-            length("spiral_m", "Length of a clothoid, m."),
-            Key::of::<CurveRadius>("radius_m", "Radius of an arc, m.", Some(None)),
-            Key::of::<Turn>("turn", "Side to which an arc turns.", Some(None)),
-        ])
-    }
-}
+/// The right forms of a piece.
+const FORMS: &str = "{ line_m }, { spiral_m } or { arc_m, radius_m, turn }";
 
 impl PlanPiece {
-    /// Curvature, 1/m, left positive; `None` for a spiral, which has that of its neighbours.
-    fn curvature_perm(&self) -> Option<f64> {
-        match self {
-            Self::Line { .. } => Some(0.0),
-            Self::Arc { radius_m, turn: Turn::Left, .. } => Some(1.0 / radius_m.value()),
-            Self::Arc { radius_m, turn: Turn::Right, .. } => Some(-1.0 / radius_m.value()),
-            Self::Spiral { .. } => None,
-        }
+    /// The piece of the geometry; a spiral of curvatures 0, which it takes from its neighbours.
+    fn alone(&self) -> Option<road::Piece> {
+        let Self { line_m, arc_m, spiral_m, radius_m, turn } = *self;
+        let [line_m, arc_m, spiral_m] =
+            [line_m, arc_m, spiral_m].map(|l| l.map(PieceLength::value));
+        Some(match (line_m, spiral_m, (arc_m, radius_m, turn)) {
+            (Some(length_m), None, (None, None, None)) => road::Piece::Line { length_m },
+            (None, Some(length_m), (None, None, None)) => {
+                road::Piece::Spiral { length_m, start_perm: 0.0, end_perm: 0.0 }
+            }
+            (None, None, (Some(length_m), Some(radius_m), Some(turn))) => {
+                let left_perm = 1.0 / radius_m.value();
+                let curvature_perm = if turn == Turn::Left { left_perm } else { -left_perm };
+                road::Piece::Arc { length_m, curvature_perm }
+            }
+            _ => return None,
+        })
     }
 }
 
 /// The pieces with the curvatures that spirals take from their neighbours.
 pub(super) fn geometry(pieces: &[PlanPiece]) -> Result<Vec<road::Piece>, Problem> {
-    let beside = |index: Option<usize>| index.and_then(|index| pieces.get(index)?.curvature_perm());
-    let piece = |(index, piece): (usize, &PlanPiece)| match piece {
-        PlanPiece::Line { length_m } => Ok(road::Piece::Line { length_m: length_m.value() }),
-        PlanPiece::Arc { length_m, .. } => Ok(road::Piece::Arc {
-            length_m: length_m.value(),
-            curvature_perm: piece.curvature_perm().unwrap_or_default(),
-        }),
-        PlanPiece::Spiral { length_m } => {
-            let (before, after) = (beside(index.checked_sub(1)), beside(Some(index + 1)));
-            let (Some(start_perm), Some(end_perm)) = (before, after) else {
-                return Err(Problem::new(
-                    format!("road.plan.pieces.{index}"),
-                    "this spiral lacks a curvature to join",
-                    "a line or an arc before a spiral and behind it",
-                ));
-            };
-            Ok(road::Piece::Spiral { length_m: length_m.value(), start_perm, end_perm })
-        }
+    let refuse = |index: usize, message: &str, expected: &str| {
+        Problem::new(format!("road.plan.pieces.{index}"), message, expected)
     };
-    pieces.iter().enumerate().map(piece).collect()
+    let alone = |(index, piece): (usize, &PlanPiece)| {
+        piece.alone().ok_or_else(|| refuse(index, "these keys are not a piece of a road", FORMS))
+    };
+    let mut road = pieces.iter().enumerate().map(alone).collect::<Result<Vec<_>, _>>()?;
+    let curvature_perm = |piece: &road::Piece| match *piece {
+        road::Piece::Line { .. } => Some(0.0),
+        road::Piece::Arc { curvature_perm, .. } => Some(curvature_perm),
+        _ => None,
+    };
+    let curvatures: Vec<Option<f64>> = road.iter().map(curvature_perm).collect();
+    let beside = |index: Option<usize>| index.and_then(|index| *curvatures.get(index)?);
+    for (index, piece) in road.iter_mut().enumerate() {
+        if let road::Piece::Spiral { start_perm, end_perm, .. } = piece {
+            let (before, after) = (beside(index.checked_sub(1)), beside(Some(index + 1)));
+            (*start_perm, *end_perm) = before.zip(after).ok_or_else(|| {
+                let expected = "a line or an arc before a spiral and behind it";
+                refuse(index, "this spiral lacks a curvature to join", expected)
+            })?;
+        }
+    }
+    Ok(road)
 }

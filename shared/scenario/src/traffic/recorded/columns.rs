@@ -24,7 +24,6 @@ const LENGTH: Quantity =
     Quantity { units: &[("m", 1.0), ("km", 1e3), ("cm", 0.01), ("ft", 0.304_8), ("mi", 1609.344)] };
 const ANGLE: Quantity = Quantity { units: &[("rad", 1.0), ("deg", std::f64::consts::PI / 180.0)] };
 
-/// Letters of the columns.
 const LETTERS: [(&str, Quantity); 7] = [
     ("t", TIME),
     ("v", SPEED),
@@ -55,13 +54,11 @@ pub(super) enum Motion {
     Geodetic,
 }
 
-/// The columns of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Columns {
     /// Time; absent only for a bag, whose messages have one.
     pub(super) time: Option<Column>,
     pub(super) motion: Motion,
-    /// One or two columns of the motion.
     pub(super) of_motion: Vec<Column>,
 }
 

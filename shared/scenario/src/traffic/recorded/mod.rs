@@ -55,7 +55,6 @@ const POINTS_PER_HALF: f64 = 10.0;
 pub struct Gap {
     /// Time of the row before it, s of the run.
     pub from_s: f64,
-    /// Length, s.
     pub length_s: f64,
 }
 

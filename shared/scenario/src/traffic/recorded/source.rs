@@ -12,9 +12,17 @@ use std::path::Path;
 /// Rows of a record. Column 0 holds the times.
 pub(super) enum Source<'a> {
     /// Lines of a table: their numbers and the numbers of the columns.
-    Lines { table: Table<'a>, rows: Vec<usize>, columns: Vec<usize> },
-    /// Messages of a bag.
-    Messages { path: &'a str, topic: &'a str, series: Series, has_time: bool },
+    Lines {
+        table: Table<'a>,
+        rows: Vec<usize>,
+        columns: Vec<usize>,
+    },
+    Messages {
+        path: &'a str,
+        topic: &'a str,
+        series: Series,
+        has_time: bool,
+    },
 }
 
 impl<'a> Source<'a> {
