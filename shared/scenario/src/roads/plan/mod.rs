@@ -48,6 +48,7 @@ pub struct Plan {
     /// Place and heading of the road's beginning in the plane.
     #[serde(skip_serializing_if = "crate::schema::is_default")]
     pub start: Start,
+    /// The lanes.
     pub lanes: Lanes,
     /// The axis, once it was asked for.
     #[serde(skip)]
