@@ -41,7 +41,6 @@ pub struct Row {
 
 impl Row {
     /// Time of recording, s since 1970.
-    #[must_use]
     pub fn log_time_s(&self) -> f64 {
         self.log_time_ns as f64 * 1e-9
     }
@@ -56,7 +55,6 @@ pub struct Series {
 }
 
 /// True if the file at `path` begins like a bag, or a file in the folder `path`. Bags that are not read count too.
-#[must_use]
 pub fn is_bag(path: &Path) -> bool {
     if path.is_dir() {
         return path
@@ -97,9 +95,6 @@ pub fn series(path: &Path, topic: &str, fields: &[String]) -> Result<Series, Bag
 }
 
 /// Reads the same from a file in memory or elsewhere.
-///
-/// # Errors
-/// As [`series`].
 pub fn series_from(
     file: &mut (impl Read + Seek),
     topic: &str,

@@ -24,7 +24,6 @@ numbered! {
 
 impl BrakeState {
     /// State with this number in a message; an unknown number is [`BrakeState::Blind`].
-    #[must_use]
     pub fn from_wire(number: u32) -> Self {
         Self::by_number(number).unwrap_or(Self::Blind)
     }

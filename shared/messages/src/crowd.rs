@@ -38,23 +38,8 @@ layout! {
     }
 }
 
-impl MoreVehicles {
-    /// The valid entries of `vehicles`.
-    #[must_use]
-    pub fn listed(&self) -> &[VehicleTruthItem] {
-        let count = usize::try_from(self.count).map_or(0, |count| count.min(MORE_VEHICLES));
-        &self.vehicles[..count]
-    }
-}
-
-impl MorePoses {
-    /// The valid entries of `poses`.
-    #[must_use]
-    pub fn listed(&self) -> &[VehiclePose] {
-        let count = usize::try_from(self.count).map_or(0, |count| count.min(MORE_VEHICLES));
-        &self.poses[..count]
-    }
-}
+listed! { MoreVehicles.listed: vehicles, VehicleTruthItem }
+listed! { MorePoses.listed: poses, VehiclePose }
 
 /// All vehicles beside the ego at one step, from one message or two.
 ///
@@ -83,13 +68,11 @@ pub struct AllVehicles {
 
 impl AllVehicles {
     /// No vehicles yet, with room for `count`.
-    #[must_use]
     pub fn with_room(count: usize) -> Self {
         Self { header: Header::zeroed(), ended: false, vehicles: Vec::with_capacity(count) }
     }
 
     /// The vehicles of a step that has one message.
-    #[must_use]
     pub fn of(first: &VehicleTruth) -> Self {
         let mut all = Self::with_room(first.listed().len());
         all.take(first, None);
@@ -110,7 +93,6 @@ impl AllVehicles {
 
     /// Gap to the nearest vehicle in lane, m, and its speed, m/s. Its rear may be behind the ego's front at `ego_m` by
     /// at most a car's length.
-    #[must_use]
     pub fn nearest_ahead(&self, ego_m: f64) -> Option<(f64, f64)> {
         self.vehicles
             .iter()
@@ -134,7 +116,6 @@ impl Clone for AllVehicles {
 }
 
 /// All bodies of a step, from one message or two; `None` if they are of different steps.
-#[must_use]
 pub fn all_poses<'a>(
     first: &'a VehiclePoses,
     more: Option<&'a MorePoses>,

@@ -26,7 +26,6 @@ impl Origin {
     pub const NONE: Self = Self { sequence: 0, acquisition_ns: -1, publish_ns: -1 };
 
     /// The origin that a message with `header` is to those computed from it.
-    #[must_use]
     pub fn of(header: &Header) -> Self {
         Self {
             sequence: header.sequence,
@@ -38,7 +37,6 @@ impl Origin {
     /// True if `sample` is the one meant here. With `rides` it is a message that the same sender sent in the same step.
     /// Its topic rides with the sample's ([`Topic::rides_with`](crate::Topic::rides_with)). The two differ in the time
     /// of publication.
-    #[must_use]
     pub fn means(&self, sample: &Self, rides: bool) -> bool {
         let same_step =
             (sample.sequence, sample.acquisition_ns) == (self.sequence, self.acquisition_ns);
@@ -46,7 +44,6 @@ impl Origin {
     }
 
     /// True if there was such an input.
-    #[must_use]
     pub fn is_some(&self) -> bool {
         self.sequence != 0
     }
@@ -112,7 +109,6 @@ layout! {
 
 impl Header {
     /// A header to be filled in by the publisher, for a message of `step` made from `origins`.
-    #[must_use]
     pub fn new(step: u64, acquisition_ns: i64, origins: Origins) -> Self {
         Self { step, acquisition_ns, origins, ..Self::zeroed() }
     }

@@ -34,7 +34,6 @@ pub enum Scalar {
 
 impl Scalar {
     /// Size and alignment, bytes.
-    #[must_use]
     pub const fn bytes(self) -> usize {
         match self {
             Self::U8 => 1,
@@ -55,7 +54,6 @@ pub enum Element {
 
 impl Element {
     /// Name: `u8`, `f64` and the like, or the struct's.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Scalar(Scalar::U8) => "u8",
@@ -68,7 +66,6 @@ impl Element {
     }
 
     /// Size, bytes.
-    #[must_use]
     pub const fn bytes(self) -> usize {
         match self {
             Self::Scalar(scalar) => scalar.bytes(),
@@ -101,7 +98,6 @@ pub struct Field {
 
 impl Field {
     /// Meaning of the field, in one line.
-    #[must_use]
     pub fn meaning(&self) -> String {
         self.comment.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ")
     }
@@ -194,7 +190,6 @@ impl Layout {
     /// # Panics
     /// If `message` is shorter than the struct.
     #[inline]
-    #[must_use]
     pub fn bytes_in_use(&self, message: &[u8]) -> usize {
         if self.bytes <= SMALL_BYTES { self.bytes } else { self.bytes_that_count(message) }
     }
@@ -247,13 +242,28 @@ macro_rules! layout {
 }
 
 /// Names that a file with [`layout!`](self) needs.
+/// Declares the reader of a message's list, whose `count` says how many entries are valid.
+macro_rules! listed {
+    ($message:ident.$reader:ident: $entries:ident, $entry:ty) => {
+        impl $message {
+            #[doc = concat!("The valid entries of `", stringify!($entries), "`.")]
+            pub fn $reader(&self) -> &[$entry] {
+                let count = usize::try_from(self.count).unwrap_or(usize::MAX);
+                &self.$entries[..count.min(self.$entries.len())]
+            }
+        }
+    };
+}
+
 pub(crate) mod declare {
     pub(crate) use super::layout;
+    pub(crate) use super::listed;
     pub(crate) use bytemuck::{Pod, Zeroable};
     pub(crate) use iceoryx2_bb_derive_macros::ZeroCopySend;
     pub(crate) use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 }
 pub(crate) use layout;
+pub(crate) use listed;
 
 #[cfg(test)]
 mod tests {

@@ -87,7 +87,8 @@ pub struct Levels {
 /// Follows a service on its ladder; allocates nothing once made.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LevelLog {
-    now: Level,
+    /// The level.
+    pub now: Level,
     last_s: f64,
     time_s: [f64; Level::ALL.len()],
     changes: Vec<LevelChange>,
@@ -122,14 +123,7 @@ impl LevelLog {
         }
     }
 
-    /// The level.
-    #[must_use]
-    pub fn now(&self) -> Level {
-        self.now
-    }
-
     /// The account.
-    #[must_use]
     pub fn report(&self) -> Levels {
         let entered = Level::ALL.iter().filter(|&&level| self.time_s[level as usize] > 0.0);
         Levels {

@@ -46,7 +46,6 @@
 mod brake;
 mod control;
 mod crowd;
-mod drive;
 pub mod e2e;
 mod header;
 mod health;
@@ -67,7 +66,6 @@ mod vehicle;
 pub use brake::*;
 pub use control::*;
 pub use crowd::*;
-pub use drive::Drive;
 pub use header::{Header, Origin, Origins};
 pub use health::*;
 pub use law::*;

@@ -16,7 +16,6 @@ pub struct Enumeration {
 
 impl Enumeration {
     /// The name of a number.
-    #[must_use]
     pub fn value(&self, number: u64) -> Option<&'static str> {
         let mut values = self.values.iter();
         values.find(|(known, _)| u64::from(*known) == number).map(|(_, name)| *name)
@@ -42,7 +41,6 @@ pub static ENUMERATIONS: [Enumeration; 6] = [
 ];
 
 /// The names of the numbers in a field of the struct `layout`.
-#[must_use]
 pub fn of_field(layout: &str, field: &str) -> Option<&'static Enumeration> {
     ENUMERATIONS.iter().find(|enumeration| enumeration.fields.contains(&(layout, field)))
 }
@@ -70,7 +68,6 @@ const UNITS: [(&str, &str); 18] = [
 ];
 
 /// The unit that the ending of a field's name stands for; `None` for a field without one.
-#[must_use]
 pub fn unit_of(field: &str) -> Option<&'static str> {
     match field {
         "grades" => return Some("m/m"),

@@ -22,7 +22,6 @@ macro_rules! numbered {
             pub(crate) const NAMES: &'static [(u32, &'static str)] = &[$(($number, $name)),+];
 
             /// Name in results.
-            #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)+
@@ -30,7 +29,6 @@ macro_rules! numbered {
             }
 
             /// Value with this number; `None` without one.
-            #[must_use]
             pub const fn by_number(number: u32) -> Option<Self> {
                 match number {
                     $($number => Some(Self::$variant),)+

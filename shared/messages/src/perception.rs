@@ -83,7 +83,6 @@ impl Sight {
     pub const BLIND_BELOW: f64 = 0.33;
 
     /// The sight of a radar with a share of the expected detections. Not a number counts as blind.
-    #[must_use]
     pub fn of_share(seen_share: f64) -> Self {
         match seen_share {
             share if share >= Self::LIMITED_BELOW => Self::Full,
@@ -93,22 +92,15 @@ impl Sight {
     }
 }
 
+listed! { RadarTracks.listed: tracks, Track }
+
 impl RadarTracks {
     /// Sight of the radar.
-    #[must_use]
     pub fn sight(&self) -> Sight {
         Sight::of_share(self.seen_share)
     }
 
-    /// The valid entries of `tracks`.
-    #[must_use]
-    pub fn listed(&self) -> &[Track] {
-        let count = usize::try_from(self.count).map_or(MAX_TRACKS, |count| count.min(MAX_TRACKS));
-        &self.tracks[..count]
-    }
-
     /// Speed of the ego as the radar measured it, m/s.
-    #[must_use]
     pub fn measured_ego_speed_mps(&self) -> Option<f64> {
         (self.ego_speed_points > 0).then_some(self.ego_speed_mps)
     }
@@ -158,14 +150,7 @@ layout! {
     }
 }
 
-impl RadarDetections {
-    /// The valid detections.
-    #[must_use]
-    pub fn detections(&self) -> &[Detection] {
-        let count = usize::try_from(self.count).map_or(MAX_DETECTIONS, |n| n.min(MAX_DETECTIONS));
-        &self.detections[..count]
-    }
-}
+listed! { RadarDetections.detections: detections, Detection }
 
 layout! {
     /// A vehicle as it really is.
@@ -199,11 +184,4 @@ layout! {
     }
 }
 
-impl VehicleTruth {
-    /// The valid entries of `vehicles`.
-    #[must_use]
-    pub fn listed(&self) -> &[VehicleTruthItem] {
-        let count = usize::try_from(self.count).map_or(0, |count| count.min(self.vehicles.len()));
-        &self.vehicles[..count]
-    }
-}
+listed! { VehicleTruth.listed: vehicles, VehicleTruthItem }

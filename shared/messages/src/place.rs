@@ -60,7 +60,6 @@ impl Place {
     ///
     /// # Panics
     /// If `message` is shorter than the struct that the place belongs to.
-    #[must_use]
     pub fn read<'a>(&self, message: &'a [u8]) -> Value<'a> {
         let bytes = &message[self.offset..self.offset + self.bytes];
         match self.scalar {
@@ -76,7 +75,6 @@ impl Place {
 impl Layout {
     /// All scalars of the struct in order, by their dotted path: `header.sequence`,
     /// `tracks.0.range_m`.
-    #[must_use]
     pub fn scalars(&self) -> Vec<Place> {
         let mut places = Vec::new();
         self.collect("", 0, &mut places);

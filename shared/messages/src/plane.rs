@@ -80,14 +80,7 @@ layout! {
     }
 }
 
-impl VehiclePoses {
-    /// The valid entries of `poses`.
-    #[must_use]
-    pub fn listed(&self) -> &[VehiclePose] {
-        let count = usize::try_from(self.count).map_or(MAX_TRACKS, |count| count.min(MAX_TRACKS));
-        &self.poses[..count]
-    }
-}
+listed! { VehiclePoses.listed: poses, VehiclePose }
 
 layout! {
     /// The course: the axis ahead as perception estimates it, seen from the ego's body at the scan.

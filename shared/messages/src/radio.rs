@@ -28,13 +28,11 @@ impl RadioFrame {
     pub const UNKNOWN_NS: i64 = i64::MIN;
 
     /// Time from sending to arrival, ns; `None` where it is not known.
-    #[must_use]
     pub fn on_the_way_ns(&self) -> Option<i64> {
         (self.sent_ns != Self::UNKNOWN_NS).then(|| self.received_ns.saturating_sub(self.sent_ns))
     }
 
     /// The valid bytes.
-    #[must_use]
     pub fn data(&self) -> &[u8] {
         &self.bytes[..(self.length as usize).min(MAX_FRAME_BYTES)]
     }
@@ -70,13 +68,7 @@ layout! {
     }
 }
 
-impl RadioFrames {
-    /// The valid frames.
-    #[must_use]
-    pub fn frames(&self) -> &[RadioFrame] {
-        &self.frames[..usize::try_from(self.count).map_or(0, |n| n.min(MAX_FRAMES))]
-    }
-}
+listed! { RadioFrames.frames: frames, RadioFrame }
 
 layout! {
     /// A frame that the vehicle sends.

@@ -66,7 +66,6 @@ macro_rules! services {
 
         impl Service {
             /// Its properties that are known without its code.
-            #[must_use]
             pub const fn descriptor(self) -> &'static Descriptor {
                 match self {
                     $(Self::$variant => &$descriptor,)+
@@ -126,13 +125,11 @@ services! { $
 
 impl Service {
     /// Position in [`Service::ALL`].
-    #[must_use]
     pub const fn index(self) -> usize {
         self as usize - 1
     }
 
     /// Number in message headers.
-    #[must_use]
     pub const fn to_wire(self) -> u32 {
         self as u32
     }

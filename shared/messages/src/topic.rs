@@ -171,49 +171,41 @@ topics! { $
 
 impl Topic {
     /// Name on the wire.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         self.row().name
     }
 
     /// Size of its message, bytes.
-    #[must_use]
     pub const fn message_bytes(self) -> usize {
         self.layout().bytes
     }
 
     /// Layout of its message.
-    #[must_use]
     pub const fn layout(self) -> &'static Layout {
         self.row().layout
     }
 
     /// Topic of that name.
-    #[must_use]
     pub fn by_name(name: &str) -> Option<Self> {
         TOPICS.into_iter().find(|topic| topic.name() == name)
     }
 
     /// Data ID of the end-to-end protection of messages from `source`.
-    #[must_use]
     pub const fn data_id(self, source: u32) -> u32 {
         (self as u32 + 1) << 16 | source
     }
 
     /// Services that may publish it, of which a group has one; empty if every service does.
-    #[must_use]
     pub const fn sources(self) -> &'static [Service] {
         self.row().sources
     }
 
     /// Service that publishes it in a group of `services`; `None` if every service does, or none.
-    #[must_use]
     pub fn source(self, services: &[Service]) -> Option<Service> {
         self.sources().iter().copied().find(|source| services.contains(source))
     }
 
     /// Service whose restarted process works as soon as it publishes here.
-    #[must_use]
     pub const fn shows(self) -> Option<Service> {
         self.row().shows
     }
@@ -222,14 +214,12 @@ impl Topic {
     ///
     /// # Panics
     /// Never: a test finds the topic of each service.
-    #[must_use]
     pub fn showing(service: Service) -> Self {
         let shows = |topic: &Self| topic.shows() == Some(service);
         TOPICS.into_iter().find(shows).expect("each service has a topic that shows it")
     }
 
     /// Topic of the same sender whose message of the same step stands for this one in [`Origins`](crate::Origins).
-    #[must_use]
     pub const fn rides_with(self) -> Option<Self> {
         match self {
             Self::LateralMotion => Some(Self::Odometry),
@@ -240,19 +230,16 @@ impl Topic {
     }
 
     /// Purpose of the topic.
-    #[must_use]
     pub const fn role(self) -> Role {
         self.row().role
     }
 
     /// True if it carries the simulators' truth.
-    #[must_use]
     pub const fn is_truth(self) -> bool {
         matches!(self.role(), Role::Truth)
     }
 
     /// Services whose cycles use it: a lockstep run makes them wait for it.
-    #[must_use]
     pub const fn consumers(self) -> &'static [Service] {
         self.row().consumers
     }

@@ -29,13 +29,11 @@ numbered! {
 
 impl PhaseState {
     /// State with this number in a message; an unknown number is [`PhaseState::Unavailable`].
-    #[must_use]
     pub fn from_wire(number: u32) -> Self {
         Self::by_number(number).unwrap_or_default()
     }
 
     /// Number in messages.
-    #[must_use]
     pub fn to_wire(self) -> u32 {
         self as u32
     }

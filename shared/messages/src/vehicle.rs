@@ -1,6 +1,6 @@
 //! State of the vehicle.
 
-use super::{Drive, Header};
+use super::Header;
 use crate::layout::declare::*;
 
 layout! {
@@ -23,7 +23,6 @@ layout! {
 impl Odometry {
     /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
     /// sample. Braking ends at standstill.
-    #[must_use]
     pub fn moved_to(&self, time_s: f64) -> (f64, f64) {
         let age_s = (time_s - self.header.acquisition_ns as f64 / 1e9).max(0.0);
         moved(self.position_m, self.speed_mps, self.acceleration_mps2, age_s)
@@ -67,16 +66,43 @@ layout! {
 impl EgoTruth {
     /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
     /// sample. Braking ends at standstill.
-    #[must_use]
     pub fn moved_to(&self, time_s: f64) -> (f64, f64) {
         let age_s = (time_s - self.header.acquisition_ns as f64 / 1e9).max(0.0);
         moved(self.position_m, self.speed_mps, self.acceleration_mps2, age_s)
     }
 }
 
+/// Drive of the ego at one instant: faults can wait for a phase of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Position of the front bumper, m.
+    pub position_m: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+    /// Time to collision with the vehicle ahead, s, or infinite.
+    pub time_to_collision_s: f64,
+    /// Distance to the next stop line if its signal shows red, m, else infinite.
+    pub red_line_m: f64,
+    /// A vehicle ahead moves sideways towards the ego's lane.
+    pub cut_in: bool,
+}
+
 impl Drive {
+    /// An ego there, so fast, that meets nothing.
+    pub fn free(position_m: f64, speed_mps: f64) -> Self {
+        Self {
+            position_m,
+            speed_mps,
+            acceleration_mps2: 0.0,
+            time_to_collision_s: f64::INFINITY,
+            red_line_m: f64::INFINITY,
+            cut_in: false,
+        }
+    }
+
     /// The phase by the ground truth.
-    #[must_use]
     pub fn of(truth: &EgoTruth) -> Self {
         let red = truth.signal_state == crate::PhaseState::StopAndRemain.to_wire();
         Self {

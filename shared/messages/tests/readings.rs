@@ -247,13 +247,13 @@ fn services_and_values_are_written_as_results_show_them() {
 fn a_log_of_levels_begins_late_and_keeps_its_first_changes() {
     let mut log = LevelLog::default();
     log.begin(10.0, Level::LeadLost);
-    assert_eq!(log.now(), Level::LeadLost);
+    assert_eq!(log.now, Level::LeadLost);
     log.observe(10.5, Level::LeadLost);
     assert_eq!((log.report().time_s.len(), log.report().time_s["lead-lost"]), (1, 0.5));
     assert!(log.report().changes.is_empty(), "a level that stays is not a change");
     // A stamp that goes back adds no time.
     log.observe(10.0, Level::Full);
-    assert_eq!((log.report().time_s["lead-lost"], log.now()), (0.5, Level::Full));
+    assert_eq!((log.report().time_s["lead-lost"], log.now), (0.5, Level::Full));
     // Up to 1,024 changes are kept, the time of all counts.
     for change in 0..2000 {
         let level = [Level::SignalsLost, Level::Full][change % 2];
@@ -262,7 +262,7 @@ fn a_log_of_levels_begins_late_and_keeps_its_first_changes() {
     let report = log.report();
     assert_eq!(report.changes.len(), 1024);
     assert_eq!((report.time_s["full"], report.time_s["signals-lost"]), (500.0, 500.0));
-    assert_eq!(log.now(), Level::Full);
+    assert_eq!(log.now, Level::Full);
 }
 
 #[test]

@@ -58,25 +58,21 @@ pub enum Change {
 
 impl Figure {
     /// A figure whose new value is shown beside the usual one.
-    #[must_use]
     pub const fn value(name: &'static str, unit: &'static str, counts: f64) -> Self {
         Self { name: Cow::Borrowed(name), unit, change: Change::Value(counts) }
     }
 
     /// A figure whose difference is shown.
-    #[must_use]
     pub const fn difference(name: &'static str, unit: &'static str, counts: f64) -> Self {
         Self { name: Cow::Borrowed(name), unit, change: Change::Difference(counts) }
     }
 
     /// A figure whose difference is shown in percent.
-    #[must_use]
     pub const fn percent(name: &'static str, unit: &'static str, counts: f64) -> Self {
         Self { name: Cow::Borrowed(name), unit, change: Change::Percent(counts) }
     }
 
     /// The figure with a value.
-    #[must_use]
     pub fn text(&self, value: f64) -> String {
         format!("{}: {value:.3} {}", self.name, self.unit).trim_end().to_owned()
     }
@@ -103,7 +99,6 @@ impl Figure {
 }
 
 /// Effects of a number, in one line: the figures at each of the tried values, beside those of the usual one.
-#[must_use]
 pub fn line(name: &str, figures: &[Figure], base: &[f64], tried: &[(f64, Vec<f64>)]) -> String {
     let words = |changed: &[f64]| -> String {
         let all = figures.iter().zip(base.iter().zip(changed));

@@ -75,7 +75,6 @@ pub trait Table: Clone {
     fn number(&self, row: usize) -> Option<f64>;
 
     /// The table with `value` in row `row`; a count is rounded.
-    #[must_use]
     fn with(&self, row: usize, value: f64) -> Self;
 
     /// The value in row `row`; NaN for an absent one.
@@ -84,7 +83,6 @@ pub trait Table: Clone {
     }
 
     /// The table with the value in row `row` times `factor`, within its range. A count changes by one at least.
-    #[must_use]
     fn scaled(&self, row: usize, factor: f64) -> Self {
         let (value, (least, most)) = (self.value(row), Self::ROWS[row].range);
         let scaled = self.with(row, (value * factor).clamp(least, most));
@@ -95,7 +93,6 @@ pub trait Table: Clone {
     }
 
     /// True if each value is within the range of its row.
-    #[must_use]
     fn within_ranges(&self) -> bool {
         let mut rows = Self::ROWS.iter().enumerate();
         rows.all(|(place, row)| self.number(place).is_none_or(|value| row.accepts(value)))

@@ -26,16 +26,13 @@ const LAST_USER: i32 = 162;
 /// Reason why a capture cannot be played.
 #[derive(Debug, thiserror::Error)]
 pub enum CaptureError {
-    /// The file cannot be read.
     #[error("{0}")]
     Read(#[source] io::Error),
     /// The file is larger than the memory for it.
     #[error("{0} bytes are too many, expected at most {max}", max = MAX_BYTES)]
     TooLarge(u64),
-    /// The file is neither pcap nor pcapng.
     #[error("is not a capture, expected pcap or pcapng")]
     NoCapture,
-    /// The packets have another link type.
     #[error(
         "packet {packet}: its link type is {link_type}, expected 1 (Ethernet), 105 (IEEE 802.11), 113 (Linux \
          cooked), 127 (radiotap) or 147 to 162 (USER, the packet is the frame)"
@@ -45,7 +42,6 @@ pub enum CaptureError {
         packet: u64,
         link_type: i32,
     },
-    /// A block cannot be read.
     #[error("cannot be read after packet {packets}: {reason}")]
     Block {
         /// Number of packets before it.
@@ -62,7 +58,6 @@ pub enum CaptureError {
         unstamped: u64,
         packets: u64,
     },
-    /// No packet is a frame.
     #[error(
         "none of {0} packets is a GeoNetworking frame (EtherType 0x8947, at most {max} bytes)",
         max = MAX_FRAME
@@ -91,8 +86,10 @@ pub struct Capture {
     frames: Vec<(i64, Range<usize>)>,
     bytes: Vec<u8>,
     played: usize,
-    passed_over: u64,
-    is_truncated: bool,
+    /// Number of packets that are not frames: another EtherType, too long, or captured incompletely.
+    pub passed_over: u64,
+    /// True if the file ends inside a packet.
+    pub is_truncated: bool,
 }
 
 /// An interface of a capture: link type and unit of its stamps.
@@ -105,9 +102,6 @@ struct Interface {
 
 impl Capture {
     /// Reads a capture. A truncated one ends before its incomplete packet ([`Capture::is_truncated`]).
-    ///
-    /// # Errors
-    /// [`CaptureError`].
     pub fn open(path: &Path) -> Result<Self, CaptureError> {
         let file = File::open(path).map_err(CaptureError::Read)?;
         let about = file.metadata().map_err(CaptureError::Read)?;
@@ -122,9 +116,6 @@ impl Capture {
     }
 
     /// Reads a capture from its bytes.
-    ///
-    /// # Errors
-    /// [`CaptureError`].
     pub fn read(source: impl io::Read + Send) -> Result<Self, CaptureError> {
         let mut reader = create_reader(MAX_BLOCK, source).map_err(|_| CaptureError::NoCapture)?;
         let mut this = Self::default();
@@ -260,39 +251,23 @@ impl Capture {
     }
 
     /// The capture's clock at run time `now_ns`, ns since the Unix epoch.
-    #[must_use]
     pub fn wall_clock_ns(&self, now_ns: i64) -> i64 {
         self.frames.first().map_or(0, |first| first.0).saturating_add(now_ns)
     }
 
-    #[must_use]
     pub fn frames(&self) -> usize {
         self.frames.len()
     }
 
     /// Time from its first to its last frame, ns.
-    #[must_use]
     pub fn duration_ns(&self) -> i64 {
         let ends = self.frames.first().zip(self.frames.last());
         ends.map_or(0, |(first, last)| last.0 - first.0)
     }
 
-    /// Number of packets that are not frames: another EtherType, too long, or captured incompletely.
-    #[must_use]
-    pub fn passed_over(&self) -> u64 {
-        self.passed_over
-    }
-
     /// Number of frames received so far.
-    #[must_use]
     pub fn played(&self) -> u64 {
         self.played as u64
-    }
-
-    /// True if the file ends inside a packet.
-    #[must_use]
-    pub fn is_truncated(&self) -> bool {
-        self.is_truncated
     }
 }
 

@@ -52,9 +52,6 @@ struct Live {
 impl Carrier {
     /// Opens a carrier. Call it before the thread gets real-time priority, which the receive thread would
     /// inherit.
-    ///
-    /// # Errors
-    /// [`OpenError`].
     pub fn open(address: &CarrierAddress, role: Role) -> Result<Self, OpenError> {
         let identity = Identity::draw(match role {
             Role::Roadside { start_ns } => Some(start_ns),
@@ -103,7 +100,6 @@ impl Carrier {
 
     /// The wall clock of the frames at run time `now_ns`, ns since the Unix epoch. It is this host's, or the capture's,
     /// whose first frame is at run time 0.
-    #[must_use]
     pub fn wall_clock_ns(&self, now_ns: i64) -> i64 {
         match &self.kind {
             Kind::Live(_) => wall_clock_ns(),
@@ -112,7 +108,6 @@ impl Carrier {
     }
 
     /// Counts of the frames so far.
-    #[must_use]
     pub fn report(&self) -> RadioReport {
         let carrier = self.address.to_string();
         match &self.kind {
@@ -122,13 +117,12 @@ impl Carrier {
             }
             Kind::Capture(capture) => {
                 let received = capture.played();
-                let malformed = capture.passed_over();
+                let malformed = capture.passed_over;
                 RadioReport { carrier, received, malformed, ..RadioReport::default() }
             }
         }
     }
 
-    #[must_use]
     pub fn capture(&self) -> Option<&Capture> {
         match &self.kind {
             Kind::Live(_) => None,

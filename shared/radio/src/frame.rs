@@ -32,7 +32,6 @@ impl Frame {
     /// assert_eq!(frame.bytes(), b"spatem");
     /// assert_eq!(frame.travelled_ns(), None, "an unknown sender has no stamp");
     /// ```
-    #[must_use]
     pub fn new(bytes: &[u8], received_ns: i64) -> Option<Self> {
         let mut room = [0; MAX_FRAME];
         room.get_mut(..bytes.len())?.copy_from_slice(bytes);
@@ -42,13 +41,11 @@ impl Frame {
     }
 
     /// Time from sending to receiving, ns, with its uncertainty; `None` if the clocks' difference is unknown.
-    #[must_use]
     pub fn travelled_ns(&self) -> Option<(i64, i64)> {
         let (sent_ns, clock) = (self.sent_ns?, self.clock?);
         Some((self.received_ns - (sent_ns - clock.offset_ns), clock.uncertainty_ns))
     }
 
-    #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.bytes[..usize::from(self.length)]
     }

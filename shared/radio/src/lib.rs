@@ -64,7 +64,6 @@ pub use error::{OpenError, SendError};
 pub use frame::{Frame, MAX_FRAME};
 
 /// This host's wall clock, ns since the Unix epoch.
-#[must_use]
 pub fn wall_clock_ns() -> i64 {
     let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     since.map_or(0, |since| i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))

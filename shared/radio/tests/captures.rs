@@ -67,7 +67,7 @@ fn frames_become_due_as_run_time_passes() {
     let packets: [(u32, u32, &[u8]); 4] =
         [(1000, 500_000, &one), (1000, 600_000, &arp), (1001, 0, &tagged), (1001, 500_000, &two)];
     let mut capture = open(&pcap(1, &packets)).expect("a good capture");
-    assert_eq!((capture.frames(), capture.passed_over(), capture.duration_ns()), (3, 1, SECOND));
+    assert_eq!((capture.frames(), capture.passed_over, capture.duration_ns()), (3, 1, SECOND));
     assert_eq!(capture.wall_clock_ns(0), 1000 * SECOND + SECOND / 2);
     assert_eq!(due(&mut capture, 0), [b"one"]);
     assert_eq!(due(&mut capture, SECOND / 2 - 1), Vec::<Vec<u8>>::new());
@@ -142,10 +142,10 @@ fn a_capture_that_is_cut_off_ends_before_the_cut() {
     let classic = pcap(1, &[(1, 0, &one), (2, 0, &two)]);
     let newer = pcapng(1, &[(SECOND, &one), (2 * SECOND, &two)]);
     for file in [classic, newer] {
-        assert!(!open(&file).expect("whole").is_truncated());
+        assert!(!open(&file).expect("whole").is_truncated);
         for cut in 1..=17 {
             let mut capture = open(&file[..file.len() - cut]).expect("one is whole");
-            assert!(capture.is_truncated());
+            assert!(capture.is_truncated);
             assert_eq!(due(&mut capture, 10 * SECOND), [b"one"]);
         }
     }

@@ -134,12 +134,10 @@ impl Axis {
         Ok(axis)
     }
 
-    #[must_use]
     pub fn length_m(&self) -> f64 {
         self.length_m
     }
 
-    #[must_use]
     pub fn is_straight(&self) -> bool {
         self.straight_m == f64::INFINITY
     }
@@ -167,40 +165,34 @@ impl Axis {
     }
 
     /// The pose of the axis itself. The heading is not wrapped: it goes on along the axis.
-    #[must_use]
     pub fn pose(&self, p_m: f64) -> Pose {
         let place = self.place(p_m);
         Pose { x_m: place.x_m, y_m: place.y_m, heading_rad: place.heading_rad }
     }
 
     /// The point `l_m` to the left of the axis, with the heading of the tangent.
-    #[must_use]
     pub fn point(&self, p_m: f64, l_m: f64) -> Pose {
         let Place { x_m, y_m, heading_rad, .. } = self.frame(p_m, l_m);
         Pose { x_m, y_m, heading_rad }
     }
 
     /// The same with the direction and the curvature of the axis there.
-    #[must_use]
     pub fn frame(&self, p_m: f64, l_m: f64) -> Place {
         let place = self.place(p_m);
         Place { x_m: place.x_m - l_m * place.sin, y_m: place.y_m + l_m * place.cos, ..place }
     }
 
     /// The curvature, 1/m: positive to the left, 0 outside the ends.
-    #[must_use]
     pub fn curvature_perm(&self, p_m: f64) -> f64 {
         if p_m <= self.straight_m { 0.0 } else { self.cell(p_m).curvature_at(p_m) }
     }
 
     /// The heading of the tangent, rad, as in [`Self::pose`].
-    #[must_use]
     pub fn heading_rad(&self, p_m: f64) -> f64 {
         if p_m <= self.straight_m { 0.0 } else { self.cell(p_m).heading_at(p_m) }
     }
 
     /// The change of the curvature along the axis, 1/m².
-    #[must_use]
     pub fn curvature_rate_perm2(&self, p_m: f64) -> f64 {
         if p_m <= self.straight_m { 0.0 } else { self.cell(p_m).rate_perm2 }
     }
@@ -213,7 +205,6 @@ impl Axis {
     /// The coordinates (p, l) of a point: Newton's method from `near_p_m`, which must lie on the point's branch.
     ///
     /// A point has a foot on the axis as far as the centre of the curve. Beyond it the result is of no use.
-    #[must_use]
     pub fn project(&self, x_m: f64, y_m: f64, near_p_m: f64) -> (f64, f64) {
         let (mut p_m, mut reach_m) = (near_p_m, LONGEST_STEP_M);
         for _ in 0..MAX_STEPS {
@@ -244,7 +235,6 @@ impl Axis {
 
     /// The coordinates (p, l) of the axis' point that is nearest to a point of the plane. The search has no place to
     /// begin from. It is the first of several branches that are equally near.
-    #[must_use]
     pub fn nearest(&self, x_m: f64, y_m: f64) -> (f64, f64) {
         let count = self.bins.len();
         let start_m = |i: usize| (CELL_M * i as f64).min(self.length_m);

@@ -23,7 +23,6 @@ pub enum AxisFault {
     /// There is no piece, or a line begins at its end.
     #[error("there is no road ahead")]
     Empty,
-    /// A number is NaN or infinite.
     #[error("a number of the piece is not finite")]
     NotFinite,
     /// A length in m that is zero or negative, or too long in sum.
@@ -38,10 +37,8 @@ pub enum AxisFault {
     /// A cubic that is declared longer or shorter than it is along the curve.
     #[error("a length of {length_m} m for a cubic of {true_m:.3} m")]
     Declared { length_m: f64, true_m: f64 },
-    /// The branch of the piece crosses an earlier one.
     #[error("the road crosses itself at {first_m:.0} m and {second_m:.0} m")]
     Crossing { first_m: f64, second_m: f64 },
-    /// The piece does not begin where the one before ends.
     #[error("a gap of {0:.3} m to the end of the piece before")]
     Gap(f64),
     /// The piece does not begin in the direction in which the one before ends, rad.
@@ -57,7 +54,6 @@ impl AxisFault {
 
 impl AxisError {
     /// The right form.
-    #[must_use]
     pub fn expected(&self) -> String {
         match self.fault {
             AxisFault::Empty => "a place before the road's end".to_owned(),

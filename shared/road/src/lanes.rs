@@ -61,7 +61,6 @@ pub struct Strip {
 
 impl Lanes {
     /// The section at a place; the first and the last go on outside the road.
-    #[must_use]
     pub fn section(&self, s_m: f64) -> usize {
         self.sections.partition_point(|section| section.from_m <= s_m).saturating_sub(1)
     }
@@ -89,7 +88,6 @@ impl Lanes {
     }
 
     /// The lane of an id at a place.
-    #[must_use]
     pub fn strip(&self, s_m: f64, id: i32) -> Option<Strip> {
         self.strips(s_m).find(|strip| strip.id == id)
     }
@@ -97,7 +95,6 @@ impl Lanes {
     /// The middle of the lane that has a place in a section, along the road, m. The profile follows the links of the
     /// lane to both sides. It keeps its last value where the lane has no neighbour. A lane without width at an end of
     /// its section has the edge of its neighbour there.
-    #[must_use]
     pub fn center(&self, section: usize, index: usize) -> Profile {
         let mut parts: Vec<(usize, usize)> = vec![(section, index)];
         let mut at = (section, index);
@@ -152,7 +149,6 @@ impl Lanes {
     }
 
     /// True if the sections are in order, and each link leads to a lane.
-    #[must_use]
     pub fn is_sound(&self) -> bool {
         let lanes = |section: Option<usize>| {
             section.and_then(|section| self.sections.get(section)).map_or(0, |s| s.lanes.len())
@@ -170,7 +166,6 @@ impl Lanes {
     }
 
     /// True if the lanes are the same, with the same widths, all along.
-    #[must_use]
     pub fn is_uniform(&self) -> bool {
         let widths = |section: &Section| {
             section.lanes.iter().all(|lane| lane.width.uniform(self.length_m).is_some())
@@ -181,7 +176,6 @@ impl Lanes {
     }
 
     /// The lanes of a road that is driven from its end: what was left is right. The ids stay.
-    #[must_use]
     pub fn reversed(&self) -> Self {
         let section = |(number, section): (usize, &Section)| Section {
             from_m: self.length_m - self.end_m(number),

@@ -30,24 +30,20 @@ pub struct LaneLines {
 
 impl LaneLines {
     /// The lines at these stations.
-    #[must_use]
     pub fn new(stations: Vec<Vec<f64>>) -> Self {
         Self { stations }
     }
 
     /// True without stations.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.stations.is_empty()
     }
 
-    #[must_use]
     pub fn stations(&self) -> &[Vec<f64>] {
         &self.stations
     }
 
     /// True if all stations are in order and have edges, and all lines are in order from right to left.
-    #[must_use]
     pub fn is_sound(&self) -> bool {
         let is_sorted = |values: &[f64]| values.windows(2).all(|pair| pair[0] <= pair[1]);
         let is_station = |station: &Vec<f64>| {
@@ -60,7 +56,6 @@ impl LaneLines {
     }
 
     /// The right and the left edge at a place, m; `None` without stations. Beyond the ends they stay as they are.
-    #[must_use]
     pub fn edges_m(&self, p_m: f64) -> Option<[f64; 2]> {
         let edges = |station: &Vec<f64>| [station[1], station[station.len() - 1]];
         let (a, b, share) = around(&self.stations, |station| station[0], p_m)?;
@@ -70,7 +65,6 @@ impl LaneLines {
 
     /// The lines between two places as points `[p, l]`, m. Each stretch with one number of lines has these from right
     /// to left.
-    #[must_use]
     pub fn between(&self, from_m: f64, to_m: f64) -> Vec<Vec<[f64; 2]>> {
         let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
         let mut open = 0..0;
@@ -108,7 +102,6 @@ impl LaneLines {
 /// let line = [[0.0, 1.0], [10.0, 3.0]];
 /// assert_eq!([-5.0, 5.0, 20.0].map(|p_m| road::offset_at(&line, p_m)), [1.0, 2.0, 3.0]);
 /// ```
-#[must_use]
 pub fn offset_at(line: &[[f64; 2]], p_m: f64) -> f64 {
     let found = around(line, |point| point[0], p_m);
     found.map_or(0.0, |([_, a_m], [_, b_m], share)| a_m + share * (b_m - a_m))

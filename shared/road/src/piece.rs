@@ -105,7 +105,6 @@ impl Smooth for Clothoid {
 }
 
 impl Piece {
-    #[must_use]
     pub fn length_m(&self) -> f64 {
         match *self {
             Self::Line { length_m }
@@ -123,7 +122,6 @@ impl Piece {
     /// let spiral = Piece::Spiral { length_m: 50.0, start_perm: 0.0, end_perm: 0.01 };
     /// assert_eq!(spiral.reversed(), Piece::Spiral { length_m: 50.0, start_perm: -0.01, end_perm: 0.0 });
     /// ```
-    #[must_use]
     pub fn reversed(&self) -> Self {
         match *self {
             Self::Line { .. } => *self,
@@ -144,7 +142,6 @@ impl Piece {
     }
 
     /// The length along a cubic from its first to its last parameter, m; the declared length of other pieces.
-    #[must_use]
     pub fn true_length_m(&self) -> f64 {
         match *self {
             Self::ParamCubic { u, v, end, .. } => crate::cubic::length_between(&u, &v, 0.0, end),

@@ -20,7 +20,6 @@ impl Pose {
     /// let body = road::Pose { x_m: 10.0, y_m: 2.0, heading_rad: 0.0 };
     /// assert_eq!(body.to_local(15.0, 1.0), (5.0, -1.0));
     /// ```
-    #[must_use]
     pub fn to_local(&self, x_m: f64, y_m: f64) -> (f64, f64) {
         let (sin, cos) = libm::sincos(self.heading_rad);
         let (dx_m, dy_m) = (x_m - self.x_m, y_m - self.y_m);
@@ -28,7 +27,6 @@ impl Pose {
     }
 
     /// The point of the plane that lies `x_m` ahead and `y_m` to the left of here, m.
-    #[must_use]
     pub fn to_world(&self, x_m: f64, y_m: f64) -> (f64, f64) {
         let (sin, cos) = libm::sincos(self.heading_rad);
         (self.x_m + x_m * cos - y_m * sin, self.y_m + x_m * sin + y_m * cos)
@@ -41,14 +39,12 @@ impl Pose {
     /// let on_road = road::Pose { x_m: 7.0, y_m: -1.0, heading_rad: 0.1 };
     /// assert_eq!(on_road.placed(&start), road::Pose { x_m: 107.0, y_m: 49.0, heading_rad: 0.1 });
     /// ```
-    #[must_use]
     pub fn placed(&self, at: &Self) -> Self {
         let (x_m, y_m) = at.to_world(self.x_m, self.y_m);
         Self { x_m, y_m, heading_rad: at.heading_rad + self.heading_rad }
     }
 
     /// This pose as seen from `at`: the opposite of [`Self::placed`].
-    #[must_use]
     pub fn seen_from(&self, at: &Self) -> Self {
         let (x_m, y_m) = at.to_local(self.x_m, self.y_m);
         Self { x_m, y_m, heading_rad: self.heading_rad - at.heading_rad }

@@ -58,14 +58,12 @@ impl Profile {
     /// let taper = Profile::new(vec![Stretch { from_m: 100.0, factors: [0.0, 0.1, 0.0, 0.0] }]);
     /// assert_eq!((taper.at(50.0), taper.at(120.0), taper.slope(120.0)), (0.0, 2.0, 0.1));
     /// ```
-    #[must_use]
     pub fn new(mut stretches: Vec<Stretch>) -> Self {
         stretches.sort_by(|a, b| a.from_m.total_cmp(&b.from_m));
         Self { stretches }
     }
 
     /// The same value everywhere.
-    #[must_use]
     pub fn constant(value: f64) -> Self {
         match value == 0.0 {
             true => Self::default(),
@@ -75,7 +73,6 @@ impl Profile {
         }
     }
 
-    #[must_use]
     pub fn stretches(&self) -> &[Stretch] {
         &self.stretches
     }
@@ -87,25 +84,21 @@ impl Profile {
     }
 
     /// The value at a place.
-    #[must_use]
     pub fn at(&self, s_m: f64) -> f64 {
         self.stretch(s_m).at(s_m)
     }
 
     /// The change along the road, per m.
-    #[must_use]
     pub fn slope(&self, s_m: f64) -> f64 {
         self.stretch(s_m).slope(s_m)
     }
 
     /// The change of the slope, per m².
-    #[must_use]
     pub fn bend(&self, s_m: f64) -> f64 {
         self.stretch(s_m).bend(s_m)
     }
 
     /// The value, if it is the same everywhere from 0 to `length_m`.
-    #[must_use]
     pub fn uniform(&self, length_m: f64) -> Option<f64> {
         let value = self.at(0.0);
         let is_flat = |stretch: &Stretch| {
@@ -120,7 +113,6 @@ impl Profile {
     }
 
     /// The profile of a road that is driven from its end: the value at `length_m - s`.
-    #[must_use]
     pub fn reversed(&self, length_m: f64) -> Self {
         let mut turned = Vec::with_capacity(self.stretches.len() + 1);
         let mut end_m = length_m;
@@ -148,7 +140,6 @@ impl Profile {
     }
 
     /// The sum of profiles with weights, from `from_m` to `to_m`.
-    #[must_use]
     pub fn sum(parts: &[(f64, &Self)], from_m: f64, to_m: f64) -> Self {
         let mut starts = vec![from_m];
         for (_, profile) in parts {

@@ -44,7 +44,6 @@ pub struct Recipe {
 /// assert!((5e3..8e3).contains(&axis.length_m()));
 /// # Ok::<(), road::AxisError>(())
 /// ```
-#[must_use]
 pub fn pieces(recipe: &Recipe, seed: u64) -> Vec<Piece> {
     let mut generator = Pcg64::seed_from_u64(seed);
     let mut draw = |[from, to]: [f64; 2]| from + (to - from) * uniform(&mut generator);

@@ -2,7 +2,7 @@
 
 use super::transport::TransportError;
 use messages::Topic;
-use scenario::{DecodeError, Problem};
+use scenario::{Problem, ScenarioError};
 use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -37,10 +37,10 @@ pub enum RuntimeError {
     Radio(#[source] Box<dyn Error + Send + Sync>),
     /// The scenario of the group file cannot be read.
     #[error("the scenario of the group file: {0}")]
-    Scenario(#[from] DecodeError),
+    Scenario(#[from] ScenarioError),
     /// The scenario makes no such service.
     #[error("{}: {}", .0.path, .0.message)]
-    Refused(#[source] Box<Problem>),
+    Refused(#[from] Problem),
     /// Something that the service needs of the system is not to be had: a file of the run, the link to the launcher,
     /// shared memory, a thread.
     #[error("{0}: {1}")]
@@ -67,11 +67,5 @@ impl RuntimeError {
     /// The carrier cannot do `what` with the topic.
     pub(crate) fn topic(what: &'static str, topic: Topic) -> impl FnOnce(TransportError) -> Self {
         move |reason| Self::Topic(what, topic, reason)
-    }
-}
-
-impl From<Problem> for RuntimeError {
-    fn from(problem: Problem) -> Self {
-        Self::Refused(Box::new(problem))
     }
 }

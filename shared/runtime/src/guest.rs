@@ -25,15 +25,11 @@ pub struct Guest {
 
 impl Guest {
     /// Joins `group` under `name`.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Node`].
     pub fn join(group: Group, name: &str) -> Result<Self, RuntimeError> {
         Ok(Self { node: SharedMemory::join(&group, name)?, group })
     }
 
     /// Begins to open an iceoryx2 service that is not a topic.
-    #[must_use]
     pub fn service(&self, name: &ServiceName) -> Builder<Ipc> {
         self.node.service(name)
     }
@@ -44,21 +40,16 @@ impl Guest {
     }
 
     /// Wakes those who wait for `topic`.
-    #[must_use]
     pub fn waker(&self, topic: Topic) -> Waker {
         self.node.waker(topic)
     }
 
     /// Waits for `topic`.
-    #[must_use]
     pub fn waiter(&self, topic: Topic) -> Waiter {
         self.node.waiter(topic)
     }
 
     /// The sending end of `T`'s topic, as `source` has it.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn publisher<T: Message>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
         let Group { mode, timetable, .. } = self.group;
         Ok(Publisher::new(Seal {
@@ -76,9 +67,6 @@ impl Guest {
     }
 
     /// The receiving end of `T`'s topic, as a service that it releases has it.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn subscriber<T: Message>(&self) -> Result<Subscriber<T>, RuntimeError> {
         let inlet = Inlet::SharedMemory(Rc::new(self.node.receiver(T::TOPIC)?));
         let tally = Rc::default();
@@ -88,9 +76,6 @@ impl Guest {
     }
 
     /// Waits for samples of `T`'s topic, at most for `timeout`, and hands all to `each`.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn next_samples<T: Message>(
         &self,
         topic: &mut Subscriber<T>,

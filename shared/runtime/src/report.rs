@@ -138,7 +138,6 @@ impl Payload {
     }
 
     /// The figures, if they are of type `T`.
-    #[must_use]
     pub fn read<T: Reported>(&self) -> Option<T> {
         match &self.0 {
             Form::Value(value) => (**value).any().downcast_ref::<T>().cloned(),

@@ -56,7 +56,6 @@ builtins! {
 }
 
 /// The built-in scenario of that name.
-#[must_use]
 pub fn find(name: &str) -> Option<&'static Builtin> {
     ALL.iter().find(|builtin| builtin.name == name)
 }

@@ -52,8 +52,8 @@ pub use ego::{aebs, controller, lateral, own_law, perception, plant};
 pub use group::{referee, runtime, supervision};
 pub use reading::words::accepted;
 pub use reading::{
-    DecodeError, LawTables, MAX_TEXT_BYTES, Overrides, Problem, Reads, Refusal, ScenarioError,
-    Setting, Source, option_value,
+    LawTables, MAX_TEXT_BYTES, Overrides, Problem, Reads, Refusal, ScenarioError, Setting, Source,
+    option_value,
 };
 pub use roads::{plan, road};
 pub use signals::{carrier, radio, v2x};
@@ -160,7 +160,6 @@ impl Scenario {
     /// assert_eq!(scenario::Scenario::parse("cut-in", text)?.hindrance(), None);
     /// # Ok::<(), scenario::ScenarioError>(())
     /// ```
-    #[must_use]
     pub fn hindrance(&self) -> Option<String> {
         let storyboard = self.storyboard.as_ref()?;
         let stands =
@@ -170,19 +169,16 @@ impl Scenario {
     }
 
     /// True if the emergency brake is on.
-    #[must_use]
     pub fn has_aebs(&self) -> bool {
         self.aebs.enabled.unwrap_or_else(|| self.perception.gives_detections())
     }
 
     /// True if signals come as frames, which an on-board unit decodes.
-    #[must_use]
     pub fn has_obu(&self) -> bool {
         !self.v2x.radio.is_direct()
     }
 
     /// The services that the scenario's group consists of.
-    #[must_use]
     pub fn services(&self) -> Vec<Service> {
         let takes_part = |service: &Service| match service.descriptor().presence {
             Presence::Always => true,
@@ -193,7 +189,6 @@ impl Scenario {
     }
 
     /// The scenario as it took effect: parsing this text gives an equal scenario.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         let keys = toml::to_string(self).expect("every value of a scenario has a form in TOML");
         reading::KEPT.to_owned() + &keys
@@ -232,7 +227,6 @@ macro_rules! table {
 }
 
 /// The keys of a scenario file.
-#[must_use]
 pub fn keys() -> &'static [Key] {
     match schema::shape_of::<Scenario>() {
         Shape::Table(keys) => keys,

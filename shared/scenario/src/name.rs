@@ -4,21 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::schema::{Schema, Shape};
 
-/// Declares a text that is held to a rule: `Name, NotIt: "not it", "what it is", |text| rule;`.
+/// Declares a text that is held to a rule: `Name: "not it", "what it is", |text| rule;`.
 macro_rules! texts {
-    ($($(#[$about:meta])* $name:ident, $error:ident: $not:literal, $expected:literal, $is_one:expr;)+) => {$(
+    ($($(#[$about:meta])* $name:ident: $not:literal, $expected:literal, $is_one:expr;)+) => {$(
         $(#[$about])*
         #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
         #[serde(try_from = "String", into = "String")]
         pub struct $name(String);
 
-        #[doc = concat!("The text is ", $not, ".")]
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-        #[error("{}, expected {}", $not, $expected)]
-        pub struct $error;
-
         impl $name {
-            #[must_use]
             pub fn as_str(&self) -> &str {
                 &self.0
             }
@@ -27,18 +21,17 @@ macro_rules! texts {
             ///
             /// # Panics
             /// When it breaks the rule.
-            #[must_use]
             pub fn of(text: &str) -> Self {
                 Self::try_from(text.to_owned()).expect("a literal that keeps the rule")
             }
         }
 
         impl TryFrom<String> for $name {
-            type Error = $error;
+            type Error = &'static str;
 
-            fn try_from(text: String) -> Result<Self, $error> {
+            fn try_from(text: String) -> Result<Self, &'static str> {
                 let is_one: fn(&str) -> bool = $is_one;
-                if is_one(&text) { Ok(Self(text)) } else { Err($error) }
+                if is_one(&text) { Ok(Self(text)) } else { Err(concat!($not, ", expected ", $expected)) }
             }
         }
 
@@ -62,12 +55,12 @@ macro_rules! texts {
 
 texts! {
     /// Name of a scenario, a law or an actor; a scenario's becomes part of the run directory's name.
-    Name, NotAName: "not a name", "1 to 64 letters, digits, `-` or `_`", |name| {
+    Name: "not a name", "1 to 64 letters, digits, `-` or `_`", |name| {
         let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         (1..=64).contains(&name.len()) && name.chars().all(good)
     };
     /// A line of prose, without control characters.
-    Line, NotALine: "not a line of text", "at most 500 characters in one line", |line| {
+    Line: "not a line of text", "at most 500 characters in one line", |line| {
         line.chars().count() <= 500 && !line.chars().any(char::is_control)
     };
 }

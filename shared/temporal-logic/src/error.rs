@@ -19,7 +19,6 @@ pub struct FormulaError {
 /// The fault of a formula.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Problem {
-    /// Another word was expected.
     #[error("{found}, expected {expected}")]
     Unexpected {
         /// The word that stands there.
@@ -27,7 +26,6 @@ pub enum Problem {
         /// The words that may stand there.
         expected: &'static str,
     },
-    /// A signal that does not exist.
     #[error("unknown signal \"{name}\", expected one of {}{}", known.join(", "), hint(nearest))]
     UnknownSignal {
         name: String,
@@ -36,7 +34,6 @@ pub enum Problem {
         /// The most similar one.
         nearest: Option<&'static str>,
     },
-    /// A sum or a comparison of quantities that do not go together.
     #[error("{left} and {right} cannot be added or compared")]
     Units { left: Unit, right: Unit },
     #[error("a number, expected a condition such as gap_m > 2")]

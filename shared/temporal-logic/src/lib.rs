@@ -81,20 +81,17 @@ impl Formula {
         Ok(Self { text: text.to_owned(), nodes, root, units })
     }
 
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
     /// Unit of the margin. A formula that compares quantities of different units has [`Unit::Mixed`]: its margin
     /// counts tolerances ([`Unit::tolerance`]).
-    #[must_use]
     pub fn unit(&self) -> Unit {
         self.units[self.root]
     }
 
     /// Indices of the signals that the formula reads, ascending.
-    #[must_use]
     pub fn signals(&self) -> Vec<usize> {
         let of = |node: &Node| match node.kind {
             Kind::Signal(index) => Some(index),
@@ -128,7 +125,6 @@ impl Formula {
     ///
     /// # Panics
     /// If the trace has no sample, or less signals than the formula was read with.
-    #[must_use]
     pub fn margin(&self, trace: &Trace<'_>) -> Margin {
         evaluate::margin(self, trace)
     }

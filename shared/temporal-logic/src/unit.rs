@@ -31,7 +31,6 @@ impl Unit {
     /// Difference that a driver does not notice, in this unit: 0.5 m, 0.5 m/s, 0.1 s, 0.2 m/s², 1 m/s³. Other units
     /// have 1. Margins of different units are compared in multiples of it. It is chosen: only the order of margins
     /// depends on it, and never their sign.
-    #[must_use]
     pub fn tolerance(self) -> f64 {
         match self {
             Self::METRE | Self::METRE_PER_SECOND => 0.5,

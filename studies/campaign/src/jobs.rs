@@ -7,7 +7,7 @@ use super::record::Planned;
 use frame::batch::{self, Job};
 use runtime::Mode;
 use scenario::Scenario;
-use scenario::faults::Target;
+use scenario::faults::{Effect, Target};
 use scenario::supervision::Standbys;
 use std::time::Duration;
 use supervise::{Error, GroupOptions, ScenarioOptions, UsageError, absent};
@@ -22,7 +22,8 @@ pub fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
         ..ScenarioOptions::default()
     };
     let scenario = supervise::open_with(&planned.scenario, &options, "set", &planned.settings)?;
-    let of_processes = scenario.faults.iter().find(|fault| fault.effect.of_processes().is_some());
+    let of_processes =
+        scenario.faults.iter().find(|fault| matches!(fault.effect, Effect::Process(_)));
     if let Some(fault) = of_processes.filter(|_| campaign.mode == Mode::Lockstep) {
         let place = format_args!("a fault of kind `{}`", fault.effect.kind());
         let expected = "mode = \"realtime\" in the campaign";

@@ -140,6 +140,6 @@ pub fn check_faults_in_lockstep(scenario: &Scenario) -> Result<(), Problem> {
 /// The first fault that acts on processes, and its index.
 fn fault_of_processes(scenario: &Scenario) -> Option<(usize, Kind)> {
     let mut faults = scenario.faults.iter().map(|fault| &fault.effect).enumerate();
-    let found = faults.find(|(_, effect)| effect.of_processes().is_some());
+    let found = faults.find(|(_, effect)| matches!(effect, Effect::Process(_)));
     found.map(|(index, effect)| (index, effect.kind()))
 }

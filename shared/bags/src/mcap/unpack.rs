@@ -9,16 +9,12 @@ pub const LONGEST_CHUNK: u64 = 64 << 20;
 /// Reason why a chunk cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum UnpackError {
-    /// It would need more memory than a reader gives.
     #[error("it unpacks to {0} bytes; a chunk may have {LONGEST_CHUNK}")]
     TooLong(u64),
-    /// It is longer than stated.
     #[error("it is longer than the {0} bytes that it says")]
     Longer(u64),
-    /// It is shorter than stated.
     #[error("it has {0} bytes of the {1} that it says")]
     Shorter(u64, u64),
-    /// Its compression is not a known one.
     #[error("its compression is `{0}`, expected `lz4`, `zstd` or none")]
     Compression(String),
     #[error("its {0} data is damaged: {1}")]

@@ -23,7 +23,6 @@ pub enum Status {
 
 impl Status {
     /// True if the message alone can be used.
-    #[must_use]
     pub fn is_usable(self) -> bool {
         matches!(self, Self::Ok | Self::OkSomeLost)
     }

@@ -50,7 +50,6 @@ pub struct Outcomes {
 
 impl Outcomes {
     /// Messages that were received and refused.
-    #[must_use]
     pub fn refused(&self) -> u64 {
         self.repeated + self.wrong_sequence + self.error + self.unknown_sender + self.distrusted
     }
@@ -135,7 +134,6 @@ impl Channel {
     }
 
     /// State of the channel.
-    #[must_use]
     pub fn state(&self) -> State {
         self.machine.state()
     }

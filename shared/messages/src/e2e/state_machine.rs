@@ -88,7 +88,6 @@ impl StateMachine {
     }
 
     /// The state.
-    #[must_use]
     pub fn state(&self) -> State {
         self.state
     }

@@ -29,7 +29,6 @@ pub struct Alignment {
 }
 
 /// The road of a seed: the same on every machine.
-#[must_use]
 pub fn generate(alignment: &Alignment, seed: u64) -> GradeProfile {
     let mut random = Pcg64::seed_from_u64(seed);
     let count = (alignment.length_m / FINE_M).round() as usize;

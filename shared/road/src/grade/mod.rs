@@ -50,7 +50,6 @@ pub enum ProfileFault {
     /// More than [`MAX_POINTS`].
     #[error("a road of {0} points")]
     TooManyPoints(usize),
-    /// A distance or a height is NaN or infinite.
     #[error("not a number")]
     NotANumber,
     /// A distance is not beyond the one before, m.
@@ -65,7 +64,6 @@ pub enum ProfileFault {
 }
 
 impl ProfileError {
-    #[must_use]
     pub fn expected(&self) -> String {
         match self.fault {
             ProfileFault::OnePoint => "at least two points".into(),
@@ -124,25 +122,21 @@ impl GradeProfile {
     }
 
     /// The points; none for a level road.
-    #[must_use]
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
     /// End of the profile, m; 0 for a level road.
-    #[must_use]
     pub fn end_m(&self) -> f64 {
         self.points.last().map_or(0.0, |point| point.distance_m)
     }
 
-    #[must_use]
     pub fn height_m(&self, distance_m: f64) -> f64 {
         let around = around(&self.points, |point| point.distance_m, distance_m);
         around.map_or(0.0, |(a, b, part)| a.height_m + part * (b.height_m - a.height_m))
     }
 
     /// Grade at a distance: rise over run, positive uphill. At a point it is that of what follows.
-    #[must_use]
     pub fn grade(&self, distance_m: f64) -> f64 {
         match around(&self.points, |point| point.distance_m, distance_m) {
             Some((a, b, _)) if b.distance_m > a.distance_m => {
@@ -153,7 +147,6 @@ impl GradeProfile {
     }
 
     /// Mean grade from one distance to another.
-    #[must_use]
     pub fn mean_grade(&self, from_m: f64, to_m: f64) -> f64 {
         if to_m == from_m {
             return self.grade(from_m);

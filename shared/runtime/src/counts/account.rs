@@ -207,7 +207,6 @@ impl Progress {
     }
 
     /// Cycles that it has done, silent ones included.
-    #[must_use]
     pub fn cycles(&self) -> u64 {
         self.0.progress.load(Ordering::Relaxed)
     }

@@ -54,9 +54,6 @@ impl Figures {
     }
 
     /// The count of this name.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if shared memory has no room for it.
     pub fn count(&self, name: &str) -> Result<Count, RuntimeError> {
         let Some(kept) = &self.0 else { return Ok(Count::default()) };
         let slot = slot(&kept.names.counts, name).map_err(RuntimeError::setup(name.to_owned()))?;
@@ -65,9 +62,6 @@ impl Figures {
     }
 
     /// The histogram of this name.
-    ///
-    /// # Errors
-    /// As [`Self::count`].
     pub fn latencies(&self, name: &str) -> Result<Latencies, RuntimeError> {
         let Some(kept) = &self.0 else { return Ok(Latencies::with_room()) };
         let buckets = slot(&kept.names.histograms, name).and_then(|slot| {
@@ -129,7 +123,6 @@ impl Count {
     }
 
     /// The count.
-    #[must_use]
     pub fn get(&self) -> u64 {
         match &self.0 {
             Place::Own(count) => *count,

@@ -70,7 +70,6 @@ impl ServiceCounts {
 
     /// The counts of `service` in the run of `group`, as another process reads them. They are empty if the service made
     /// no file.
-    #[must_use]
     pub fn of(group: &Group, service: impl Display) -> Self {
         let found = || {
             let file = open_existing_own(&path(&group.prefix, service)).ok()?;
@@ -81,7 +80,6 @@ impl ServiceCounts {
     }
 
     /// The named counts and histograms of all processes of the service.
-    #[must_use]
     pub fn figures(&self) -> &Figures {
         &self.figures
     }
@@ -110,7 +108,6 @@ impl ServiceCounts {
     }
 
     /// The progress of process `incarnation`; `None` if it keeps no account.
-    #[must_use]
     pub fn progress(&self, incarnation: u32) -> Option<Progress> {
         Account::of(self.file.as_ref()?, incarnation).map(Progress::of)
     }

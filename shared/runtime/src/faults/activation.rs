@@ -2,7 +2,7 @@
 
 use messages::{Drive, EgoTruth, Message, Service, Topic};
 use scenario::Scenario;
-use scenario::faults::{Begin, Effect, Falsification, Fault, Target};
+use scenario::faults::{Effect, Falsification, Fault, Target};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::sync::mpsc::Receiver;
@@ -122,7 +122,7 @@ impl Faults {
 
     /// True if one waits for a state of the drive.
     pub(crate) fn waits_for_the_drive(&self) -> bool {
-        self.entries.borrow().iter().any(|entry| matches!(entry.fault.begin, Begin::When { .. }))
+        self.entries.borrow().iter().any(|entry| entry.fault.begin.when.is_some())
     }
 
     /// Begins the faults whose condition the drive fulfils.
@@ -228,7 +228,6 @@ fn is_aimed(effect: &Effect, topic: Topic, source: u32) -> bool {
 }
 
 /// The services that a fault concerns; the launcher need not inform the others.
-#[must_use]
 pub fn concerned(fault: &Fault) -> Vec<Service> {
     match fault.effect.target() {
         Target::Topic(topic) if fault.effect.of_channels().is_some() => topic.consumers().to_vec(),

@@ -70,9 +70,6 @@ impl std::fmt::Debug for Task {
 
 impl Task {
     /// A task that does `body` in its turns.
-    ///
-    /// # Errors
-    /// If there is no memory for its stack.
     pub(crate) fn new(
         pause: Pause,
         body: impl FnOnce() -> Result<(), RuntimeError> + 'static,

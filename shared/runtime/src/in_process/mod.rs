@@ -94,7 +94,6 @@ struct Member {
 
 impl InProcess {
     /// A run of `scenario` without services yet.
-    #[must_use]
     pub fn new(scenario: &Scenario, sealing: Sealing) -> Self {
         let timetable = Timetable::of(scenario);
         let group = Group {
@@ -112,21 +111,16 @@ impl InProcess {
     }
 
     /// The run's periods.
-    #[must_use]
     pub fn timetable(&self) -> Timetable {
         self.group.timetable
     }
 
     /// A listener. It must be drained between turns, or the services wait for it.
-    #[must_use]
     pub fn observer(&self) -> Observer {
         Observer::at(Seat::new(Rc::clone(&self.bus), None))
     }
 
     /// Adds a service, which does `entry`.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if there is no memory for its stack.
     pub fn start(
         &mut self,
         service: Service,

@@ -39,9 +39,6 @@ impl Group {
     }
 
     /// Reads the group file below `root`.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if it cannot be read or is not one.
     pub fn read(root: &Path) -> Result<Self, RuntimeError> {
         let path = root.join(Self::FILE);
         let read = || postcard::from_bytes(&std::fs::read(&path)?).map_err(io::Error::other);
@@ -49,9 +46,6 @@ impl Group {
     }
 
     /// Writes the group file below its root.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if it cannot be written.
     pub fn write(&self) -> Result<(), RuntimeError> {
         let path = self.root.join(Self::FILE);
         let bytes = postcard::to_allocvec(self).expect("a group is plain data");

@@ -70,9 +70,6 @@ struct Shared<Q, A> {
 impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
     /// Starts the thread `name`, which does `work`. Call it before [`Runtime::begin`]: the thread
     /// must not inherit the loop's place on a core. Answers take effect `delay_ns` after the question.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] when no thread can be made.
     pub fn start(
         runtime: &Runtime,
         name: &str,
@@ -126,7 +123,6 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
     }
 
     /// True if a question is open.
-    #[must_use]
     pub fn is_busy(&self) -> bool {
         self.due_ns.is_some()
     }
@@ -177,7 +173,6 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
     }
 
     /// Counts of the questions so far.
-    #[must_use]
     pub fn report(&self) -> WorkerReport {
         WorkerReport {
             asked: self.asked.get(),

@@ -41,7 +41,6 @@ pub enum ProgramError {
 
 impl ProgramError {
     /// The fault.
-    #[must_use]
     pub fn message(&self) -> String {
         match self {
             Self::Empty => "no program".to_owned(),
@@ -54,7 +53,6 @@ impl ProgramError {
     }
 
     /// The right form.
-    #[must_use]
     pub const fn expected(&self) -> &'static str {
         match self {
             Self::Empty => "its name and its arguments, a text each",
@@ -69,9 +67,6 @@ impl ProgramError {
 
 impl Program {
     /// The program of `command`, whose relative paths start at `directory`.
-    ///
-    /// # Errors
-    /// [`ProgramError`] if there is no program.
     pub fn of(command: &[String], directory: &Path) -> Result<Self, ProgramError> {
         let executable = executable(command, directory)?;
         let file = script(command, directory).unwrap_or(executable);
@@ -85,16 +80,12 @@ impl Program {
     }
 
     /// The first digits of the digest, for a line that is short.
-    #[must_use]
     pub fn short_digest(&self) -> &str {
         self.sha256.get(..12).unwrap_or(&self.sha256)
     }
 }
 
 /// The file that runs when `command` is started in `directory`.
-///
-/// # Errors
-/// [`ProgramError`] if there is no program.
 pub fn executable(command: &[String], directory: &Path) -> Result<PathBuf, ProgramError> {
     let name = command.first().filter(|name| !name.is_empty()).ok_or(ProgramError::Empty)?;
     let is_executable = |path: &Path| {
@@ -146,7 +137,6 @@ fn digest(path: &Path) -> Result<String, ProgramError> {
 ///
 /// # Panics
 /// Never: the quoter refuses zero bytes alone, and they are allowed here.
-#[must_use]
 pub fn command_line<S: AsRef<str>>(words: &[S]) -> String {
     let quoter = shlex::Quoter::new().allow_nul(true);
     quoter.join(words.iter().map(AsRef::as_ref)).expect("zero bytes are allowed")

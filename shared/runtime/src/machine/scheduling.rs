@@ -48,7 +48,6 @@ pub struct Request {
 impl Request {
     /// The scenario's request for `service`. Without a core of its choice it shares the last core that this
     /// process may use ([`scenario::runtime`] says why).
-    #[must_use]
     pub fn of(scenario: &Scenario, service: Service) -> Self {
         let runtime = &scenario.runtime;
         let default = usable_cores().last().copied();
@@ -252,9 +251,6 @@ pub fn set_deadline(runtime_ns: u64, period_ns: u64) -> io::Result<()> {
 }
 
 /// Pins the calling thread to `core`.
-///
-/// # Errors
-/// Why the machine refuses it.
 pub fn pin_to(core: usize) -> io::Result<()> {
     if core >= CpuSet::MAX_CPU {
         return Err(io::Error::other(format!("there is no core {core}")));
@@ -265,7 +261,6 @@ pub fn pin_to(core: usize) -> io::Result<()> {
 }
 
 /// Cores that this thread may run on.
-#[must_use]
 pub fn usable_cores() -> Vec<usize> {
     let set = sched_getaffinity(None).unwrap_or_else(|_| CpuSet::new());
     (0..CpuSet::MAX_CPU).filter(|&core| set.is_set(core)).collect()
@@ -362,15 +357,10 @@ impl From<NotGranted> for String {
     }
 }
 
-/// A text that names nothing that is asked of the kernel.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is nothing that is asked of the kernel")]
-pub struct UnknownRefusal(String);
-
 impl TryFrom<String> for NotGranted {
-    type Error = UnknownRefusal;
+    type Error = String;
 
-    fn try_from(text: String) -> Result<Self, UnknownRefusal> {
+    fn try_from(text: String) -> Result<Self, String> {
         let what = |name: &str| match name {
             TIMER_SLACK => Some(Asked::TimerSlack),
             LOCKED_MEMORY => Some(Asked::LockedMemory),
@@ -383,7 +373,7 @@ impl TryFrom<String> for NotGranted {
         let parts = text.split_once(": ").and_then(|(name, why)| Some((what(name)?, why)));
         match parts {
             Some((what, why)) => Ok(Self { what, why: why.to_owned() }),
-            None => Err(UnknownRefusal(text)),
+            None => Err(format!("`{text}` is nothing that is asked of the kernel")),
         }
     }
 }

@@ -36,7 +36,6 @@ impl Usage {
     }
 
     /// The use since `earlier`.
-    #[must_use]
     pub fn since(&self, earlier: &Self) -> Self {
         let since = |now: u32, then: u32| now.wrapping_sub(then);
         Self {

@@ -24,9 +24,6 @@ pub struct Observer {
 
 impl Observer {
     /// Joins `group` under `name`.
-    ///
-    /// # Errors
-    /// If the run's shared memory is not usable.
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         let members = Some(Rc::new(Members::of(&group.root)));
         Ok(Self { transport: join(group, name)?, members, fences: Fences::of(group)? })
@@ -43,9 +40,6 @@ impl Observer {
     }
 
     /// Listens to `T`'s topic from now on.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn listen<T: Message>(&self) -> Result<Observed<T>, RuntimeError> {
         let (inlet, tally) =
             (self.transport.inlet(Wanted::Every)?, Rc::<RefCell<Tally>>::default());
@@ -63,17 +57,13 @@ pub struct Observed<T: Message>(Subscriber<T>);
 
 impl<T: Message> Observed<T> {
     /// Takes all messages that arrived, in order.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn drain(&mut self, each: impl FnMut(&T)) -> Result<(), RuntimeError> {
         self.0.drain(u64::MAX, each)
     }
 
     /// Messages received so far.
-    #[must_use]
     pub fn received(&self) -> ReceivedTopic {
-        self.0.tally().borrow().received(T::TOPIC)
+        self.0.tally.borrow().received(T::TOPIC)
     }
 }
 
@@ -83,17 +73,11 @@ pub struct Tap(Transport);
 
 impl Tap {
     /// Joins `group` under `name`.
-    ///
-    /// # Errors
-    /// If the run's shared memory is not usable.
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         join(group, name).map(Self)
     }
 
     /// Taps `T`'s topic from now on.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn on<T: Message>(&self) -> Result<Tapped<T>, RuntimeError> {
         let inlet = self.0.inlet(Wanted::Every)?;
         Ok(Tapped { held: RefCell::new(inlet.room()), inlet })
@@ -109,9 +93,6 @@ pub struct Tapped<T: Message> {
 
 impl<T: Message> Tapped<T> {
     /// Hands the oldest message that was not yet taken to `each`; false if there is none.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn take(&self, each: impl FnOnce(&T)) -> Result<bool, RuntimeError> {
         let mut held = self.held.borrow_mut();
         let taken = self.inlet.receive(&mut held);
@@ -130,17 +111,11 @@ pub struct Player(Transport);
 
 impl Player {
     /// Joins `group` under `name`.
-    ///
-    /// # Errors
-    /// If the run's shared memory is not usable.
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         join(group, name).map(Self)
     }
 
     /// Opens the sending end of `T`'s topic.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn on<T: Message>(&self) -> Result<Played<T>, RuntimeError> {
         let outlet = self.0.outlet(End::default())?;
         Ok(Played { outlet, waker: self.0.waker(T::TOPIC) })

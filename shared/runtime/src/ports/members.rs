@@ -24,9 +24,6 @@ const MANY_LINES: usize = 128;
 const NEWEST_LINES: usize = 64;
 
 /// Enters process `pid` as restart `incarnation` of `service` of the run at `root`.
-///
-/// # Errors
-/// [`RuntimeError::Setup`] if the list cannot be written.
 pub fn enroll(
     root: &Path,
     service: Service,
@@ -38,9 +35,6 @@ pub fn enroll(
 }
 
 /// Enters process `pid` as one that listens to the run at `root`: in lockstep senders wait for it.
-///
-/// # Errors
-/// [`RuntimeError::Setup`] if the list cannot be written.
 pub fn enroll_listener(root: &Path, pid: u32) -> Result<(), RuntimeError> {
     append(root, &format!("{LISTENER} {pid}\n"))
 }

@@ -47,9 +47,6 @@ impl<T: Message> Publisher<T> {
     }
 
     /// Loans, lets `write` fill the zeros and sends.
-    ///
-    /// # Errors
-    /// As [`Self::loan`] and [`Self::send`].
     pub fn send_with(&mut self, write: impl FnOnce(&mut T)) -> Result<i64, RuntimeError> {
         let mut message = self.loan()?;
         write(&mut message);

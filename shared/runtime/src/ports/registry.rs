@@ -17,8 +17,10 @@ pub(crate) struct Ports {
     /// `None` in the memory of one process, in which each sender is known.
     pub(crate) members: Option<Rc<Members>>,
     pub(crate) fences: Option<Fences>,
-    sent: Vec<Counted>,
-    received: Vec<Counted>,
+    /// Counts of the sending ends.
+    pub(crate) sent: Vec<Counted>,
+    /// Counts of the receiving ends.
+    pub(crate) received: Vec<Counted>,
     /// The ends in shared memory, which are connected.
     senders: Vec<(Topic, Rc<Sender>)>,
     receivers: Vec<(Topic, Rc<Receiver>)>,
@@ -97,16 +99,6 @@ impl Ports {
         for (_, tally) in &self.received {
             *tally.borrow_mut() = Tally::default();
         }
-    }
-
-    /// Counts of the sending ends.
-    pub(crate) fn sent(&self) -> &[Counted] {
-        &self.sent
-    }
-
-    /// Counts of the receiving ends.
-    pub(crate) fn received(&self) -> &[Counted] {
-        &self.received
     }
 
     /// Counts of both, as a service reports them.

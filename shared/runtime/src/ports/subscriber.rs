@@ -30,7 +30,7 @@ pub struct Subscriber<T: Message> {
     /// Faults of the channel; `None` where none can come to act, and none waits for these messages.
     disturbed: Option<Disturbed<T>>,
     check: Check,
-    tally: Rc<RefCell<Tally>>,
+    pub(super) tally: Rc<RefCell<Tally>>,
 }
 
 impl<T: Message> Subscriber<T> {
@@ -58,19 +58,16 @@ impl<T: Message> Subscriber<T> {
 
     /// The newest sample of the last update. A large one is borrowed from its sender. Its stamps are not later than its
     /// arrival: those of a sender whose clock is ahead are moved back.
-    #[must_use]
     pub fn newest(&self) -> Option<&T> {
         self.newest.get()
     }
 
     /// Bytes that were copied so far to take samples.
-    #[must_use]
     pub fn copied_bytes(&self) -> u64 {
         self.tally.borrow().copied_bytes
     }
 
     /// Stamps of the newest sample as its sender made them, for the header of what is computed from it.
-    #[must_use]
     pub fn origin(&self) -> Origin {
         self.newest().map_or(Origin::NONE, |_| self.origin)
     }
@@ -153,11 +150,6 @@ impl<T: Message> Subscriber<T> {
     /// Steps between two releases of the topic's source; `None` if every service sends, or none does.
     pub(crate) fn stride(&self) -> Option<u64> {
         self.check.expected.map(|expected| expected.stride)
-    }
-
-    /// Counts of this port.
-    pub(crate) fn tally(&self) -> &RefCell<Tally> {
-        &self.tally
     }
 
     /// True if the newest sample is of step `due` or later.

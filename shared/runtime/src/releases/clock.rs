@@ -16,7 +16,6 @@ pub enum Mode {
 
 impl Mode {
     /// Name on the command line and in results.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Realtime => "realtime",
@@ -26,7 +25,6 @@ impl Mode {
 }
 
 /// `CLOCK_MONOTONIC` in ns: comparable between processes of one host.
-#[must_use]
 pub fn monotonic_ns() -> i64 {
     let now = clock_gettime(ClockId::Monotonic);
     now.tv_sec * 1_000_000_000 + now.tv_nsec
@@ -60,7 +58,6 @@ pub struct Clock {
 
 impl Clock {
     /// A clock whose steps are `step_ns` long; run time begins when the group starts.
-    #[must_use]
     pub fn new(mode: Mode, step_ns: i64) -> Self {
         let start_ns = Cell::new(monotonic_ns());
         Self { mode, step_ns, start_ns, simulated_ns: Cell::new(0), step: Cell::new(0) }
@@ -87,7 +84,6 @@ impl Clock {
     }
 
     /// Now, in run time: the wall's in realtime, the current step's in lockstep.
-    #[must_use]
     pub fn now_ns(&self) -> i64 {
         match self.mode {
             Mode::Realtime => monotonic_ns() - self.start_ns.get(),
@@ -96,13 +92,11 @@ impl Clock {
     }
 
     /// Scheduled instant of `step`, in run time.
-    #[must_use]
     pub fn scheduled_ns(&self, step: u64) -> i64 {
         self.step_ns * i64::try_from(step).expect("a run has fewer than 2^63 steps")
     }
 
     /// The mode.
-    #[must_use]
     pub fn mode(&self) -> Mode {
         self.mode
     }

@@ -36,9 +36,6 @@ pub struct Schedule {
 
 impl Schedule {
     /// Writes the schedule of `service` into the run's root.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if it cannot be written.
     pub fn write(
         root: &Path,
         service: Service,

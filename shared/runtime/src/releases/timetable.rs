@@ -20,7 +20,6 @@ impl Timetable {
     ///
     /// # Panics
     /// If a period is not a multiple of the plant's, which the scenario's check rules out.
-    #[must_use]
     pub fn of(scenario: &Scenario) -> Self {
         let step_ms = scenario.plant.period_ms.value();
         let strides = Service::ALL.map(|service| {
@@ -46,31 +45,26 @@ impl Timetable {
     }
 
     /// Steps between two releases of `service`.
-    #[must_use]
     pub fn stride(&self, service: Service) -> u64 {
         self.strides[service.index()]
     }
 
     /// True if `service` is released in `step`.
-    #[must_use]
     pub fn is_due(&self, service: Service, step: u64) -> bool {
         step.is_multiple_of(self.stride(service))
     }
 
     /// Newest step up to `step` in which `service` was released.
-    #[must_use]
     pub fn latest_release(&self, service: Service, step: u64) -> u64 {
         step - step % self.stride(service)
     }
 
     /// True if some consumer of `topic` is released in `step`, and so waits for its sample.
-    #[must_use]
     pub fn is_awaited(&self, topic: Topic, step: u64) -> bool {
         topic.consumers().iter().any(|&consumer| self.is_due(consumer, step))
     }
 
     /// Period of `service`, ns.
-    #[must_use]
     pub fn period_ns(&self, service: Service) -> i64 {
         let stride = i64::try_from(self.stride(service)).expect("strides are small");
         self.step_ns * stride

@@ -78,9 +78,6 @@ impl Runtime {
     }
 
     /// Sends the heartbeat when it is due; called once at the end of every cycle.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn end_cycle(&mut self, state: ServiceState) -> Result<(), RuntimeError> {
         if let Some(mut drive) = self.injection.drive.take() {
             self.update(&mut drive)?;
@@ -101,7 +98,7 @@ impl Runtime {
         if let Some(account) = self.survival.counts.account() {
             account.show_progress(cycles);
             if let Some(counted) = counted {
-                let ports = (self.ports.sent(), self.ports.received());
+                let ports = (&*self.ports.sent, &*self.ports.received);
                 account.write(counted, ports, &self.injection.faults);
             }
         }
@@ -109,9 +106,6 @@ impl Runtime {
     }
 
     /// Ends the run for the whole group after the current step: for the plant's referee.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if the link to the launcher broke.
     pub fn end_run(&mut self) -> Result<(), RuntimeError> {
         let step = self.cycles.step;
         self.life.link.end.set_before(step + 1);

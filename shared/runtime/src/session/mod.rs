@@ -70,9 +70,6 @@ struct Life {
 impl Runtime {
     /// Joins the group whose root is `root` as `service`. A process that was started ahead waits before it opens
     /// anything of the run.
-    ///
-    /// # Errors
-    /// If the group file, the link or the run's shared memory is not usable.
     pub(super) fn join(
         service: Service,
         root: &Path,
@@ -138,33 +135,26 @@ impl Runtime {
     }
 
     /// The effective scenario.
-    #[must_use]
     pub fn scenario(&self) -> Scenario {
         self.scenario.clone()
     }
 
     /// True for a process that takes the place of one that died during the run.
-    #[must_use]
     pub fn is_restarted(&self) -> bool {
         self.incarnation > 0
     }
 
     /// True while this process is a standby: it computes, and sends nothing.
-    #[must_use]
     pub fn is_standby(&self) -> bool {
         self.survival.gate.is_standby()
     }
 
     /// State that this service keeps for the process that may take its place.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if shared memory has no room for it.
     pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Checkpoint<T>, RuntimeError> {
         Checkpoint::open(&state_path(&self.group.prefix, self.service))
     }
 
     /// Counts and histograms that go on over all processes of this service. A standby records nothing.
-    #[must_use]
     pub fn figures(&self) -> &Figures {
         self.survival.counts.figures()
     }
@@ -175,13 +165,11 @@ impl Runtime {
     }
 
     /// True once the launcher asked for a stop in lane.
-    #[must_use]
     pub fn is_to_stop(&self) -> bool {
         self.life.link.safe_stop.load(Ordering::Relaxed)
     }
 
     /// This service's turns in a run in one process; none in a process of its own.
-    #[must_use]
     pub fn turns(&self) -> Option<Turns> {
         match &self.ports.transport {
             Transport::Memory(seat) => seat.turns(),
@@ -195,13 +183,11 @@ impl Runtime {
     }
 
     /// The clock.
-    #[must_use]
     pub fn clock(&self) -> &Clock {
         &self.cycles.clock
     }
 
     /// UTC of run time 0, ns since 1970: in simulated time the same in every run.
-    #[must_use]
     pub fn utc_start_ns(&self) -> i64 {
         match self.group.mode {
             Mode::Realtime => crate::releases::clock::utc_ns() - self.clock().now_ns(),
@@ -211,7 +197,6 @@ impl Runtime {
 
     /// Use of the machine by the calling thread so far; nothing in simulated time, whose messages
     /// repeat to the byte.
-    #[must_use]
     pub fn usage(&self) -> Usage {
         match self.group.mode {
             Mode::Realtime => Usage::of_this_thread(),
@@ -220,7 +205,6 @@ impl Runtime {
     }
 
     /// Releases left out so far.
-    #[must_use]
     pub fn skipped(&self) -> u64 {
         self.cycles.skipped
     }

@@ -10,9 +10,6 @@ use std::rc::Rc;
 
 impl Runtime {
     /// Opens the sending end of `T`'s topic.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn publisher<T: Message>(&mut self) -> Result<Publisher<T>, RuntimeError> {
         let awaited = match self.group.mode {
             Mode::Lockstep => !T::TOPIC.consumers().is_empty(),
@@ -48,17 +45,11 @@ impl Runtime {
     }
 
     /// Opens the receiving end of `T`'s topic.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn subscriber<T: Message>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
         self.subscribe(self.group.mode == Mode::Lockstep)
     }
 
     /// Opens the receiving end of `T`'s topic so that its samples can release this service.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub fn releasing_subscriber<T: Message>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
         self.subscribe(true)
     }

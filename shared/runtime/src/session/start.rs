@@ -95,9 +95,6 @@ impl Runtime {
 impl Runtime {
     /// Reports to the launcher, with the service's own `figures`, and keeps all ports open until all services have
     /// reported. So no last message is lost with its sender.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if the link to the launcher broke.
     pub fn finish(self, figures: impl Reported) -> Result<(), RuntimeError> {
         let (cycles, skipped) = self.survival.counted(self.cycles.run, self.cycles.skipped);
         let (sent, received) = self.ports.reports();

@@ -62,7 +62,6 @@ impl<T: DeserializeOwned> Checkpoint<T> {
     }
 
     /// The newest state that `service`, which is gone, kept in its run; `None` if it kept no state.
-    #[must_use]
     pub fn last(group: &Group, service: Service) -> Option<T> {
         let path = state_path(&group.prefix, service);
         if !path.exists() {
@@ -97,9 +96,6 @@ impl<T: DeserializeOwned> Checkpoint<T> {
     }
 
     /// Keeps `state`, which has the form of a `T`.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if it does not fit.
     pub fn save(&mut self, state: &impl Serialize) -> Result<(), RuntimeError> {
         let used = postcard::to_slice(state, bytemuck::bytes_of_mut(&mut *self.room))
             .map_err(|e| RuntimeError::setup("the kept state")(io::Error::other(e)))?;

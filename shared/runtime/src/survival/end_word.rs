@@ -49,9 +49,6 @@ fn word(words: &RunWords, service: Service, incarnation: u32) -> &AtomicU32 {
 
 /// Lets the kernel mark the end of this process, a service's `incarnation`. A thread of this priority does it; 0 is an
 /// ordinary one.
-///
-/// # Errors
-/// [`RuntimeError::Setup`] if shared memory or a thread is not to be had.
 pub(crate) fn announce(
     group: &Group,
     (service, incarnation): (Service, u32),

@@ -147,9 +147,6 @@ pub(crate) struct Standby {
 
 impl Standby {
     /// Begins to stand by for `active`.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if shared memory, a thread or a pidfd is not to be had.
     pub(crate) fn begin(
         group: &Group,
         scenario: &Scenario,

@@ -24,7 +24,7 @@ pub(crate) struct Bus {
     topics: RefCell<Vec<(Topic, Rc<dyn Any>)>>,
     /// Messages that may wait in a queue, unless they are large.
     limit: usize,
-    sealing: Sealing,
+    pub(super) sealing: Sealing,
     /// Messages sent and taken so far.
     moved: Rc<Cell<u64>>,
     /// No member can go on: all wait for messages that no member will send.
@@ -99,7 +99,7 @@ impl<T> Slot<T> {
 /// A member's place at the bus.
 #[derive(Clone, Debug)]
 pub(crate) struct Seat {
-    bus: Rc<Bus>,
+    pub(super) bus: Rc<Bus>,
     /// `None` for observers, which never wait.
     pause: Option<Pause>,
 }
@@ -107,10 +107,6 @@ pub(crate) struct Seat {
 impl Seat {
     pub(crate) fn new(bus: Rc<Bus>, pause: Option<Pause>) -> Self {
         Self { bus, pause }
-    }
-
-    pub(super) fn sealing(&self) -> Sealing {
-        self.bus.sealing
     }
 
     pub(super) fn sender<T: Message>(&self, end: End) -> MemorySender<T> {

@@ -122,7 +122,7 @@ impl Transport {
     pub(crate) fn sealing(&self) -> Sealing {
         match self {
             Self::SharedMemory(_) => Sealing::Sealed,
-            Self::Memory(seat) => seat.sealing(),
+            Self::Memory(seat) => seat.bus.sealing,
         }
     }
 

@@ -48,7 +48,6 @@ const fn peers(standbys: usize) -> usize {
 
 /// Shared memory that a group with this timetable may come to use, bytes. Every publisher has room for the lag of all
 /// its possible subscribers. `standby` are the services with a standby.
-#[must_use]
 pub fn shared_memory_bytes(timetable: &Timetable, standby: &[Service]) -> u64 {
     /// Management segments of all nodes, services and connections, generously.
     const MANAGEMENT: usize = 1 << 20;
@@ -142,9 +141,6 @@ pub(crate) struct SharedMemory {
 
 impl SharedMemory {
     /// Joins the run's domain.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Node`] if the root is not usable or shared memory is not to be had.
     pub(crate) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         let error = |reason| RuntimeError::Node(group.root.clone(), reason);
         let config = domain(group)?;
@@ -212,9 +208,6 @@ impl SharedMemory {
     }
 
     /// Creates the sending end of `topic`.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub(crate) fn sender(&self, topic: Topic, end: End) -> Result<Sender, RuntimeError> {
         let group = Listeners::of(&self.root);
         let port = self
@@ -237,9 +230,6 @@ impl SharedMemory {
     }
 
     /// Creates a receiving end of `topic`.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
     pub(crate) fn receiver(&self, topic: Topic) -> Result<Receiver, RuntimeError> {
         let port = (self.topic(topic)?.subscriber_builder()).create().map_err(refused(topic))?;
         Ok(Receiver(port))
@@ -291,9 +281,6 @@ impl Listeners {
 }
 
 /// iceoryx2's configuration for the run's private domain.
-///
-/// # Errors
-/// [`RuntimeError::Node`] if iceoryx2 does not accept the root's path or the prefix.
 pub fn domain(group: &Group) -> Result<Config, RuntimeError> {
     let error = |reason| RuntimeError::Node(group.root.clone(), reason);
     let mut config = Config::default();

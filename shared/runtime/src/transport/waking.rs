@@ -107,7 +107,6 @@ impl Waiter {
     }
 
     /// To be taken before looking for a sample.
-    #[must_use]
     pub fn ticket(&self) -> Ticket {
         match &self.0 {
             Way::Futex { words, topic } => Ticket(words.wake(*topic).load(Ordering::Acquire)),

@@ -86,7 +86,6 @@ impl<T: Atomics> Drop for Shared<T> {
 
 impl SharedWords {
     /// The word at `index`, one of 1024.
-    #[must_use]
     pub fn word(&self, index: usize) -> &AtomicU32 {
         &self[index]
     }

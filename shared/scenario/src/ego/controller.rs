@@ -137,13 +137,11 @@ tables! {
 
 impl Controller {
     /// Time from the scheduled release by which a cycle must have finished.
-    #[must_use]
     pub fn deadline(&self) -> PeriodMs {
         self.deadline_ms.unwrap_or(self.period_ms)
     }
 
     /// Step of the prediction: as set, else the period. It is 100 ms if the period is below 50 or above 500 ms.
-    #[must_use]
     pub fn prediction_step(&self) -> PeriodMs {
         let is_a_step = (50..=500).contains(&self.period_ms.value());
         let usual = if is_a_step { self.period_ms } else { PeriodMs::of(100) };

@@ -43,12 +43,10 @@ impl OwnLaw {
     /// law.arguments.insert("gain".to_owned(), Word("0.4".to_owned()));
     /// assert_eq!(law.words(), ["./law", "--gain=0.4"]);
     /// ```
-    #[must_use]
     pub fn words(&self) -> Vec<String> {
         self.command.iter().cloned().chain(unit_words(&self.arguments, &self.map)).collect()
     }
 
-    #[must_use]
     pub fn variables(&self) -> Vec<(String, String)> {
         self.env.iter().map(|(key, Word(value))| (key.clone(), value.clone())).collect()
     }
@@ -68,20 +66,17 @@ pub(crate) fn unit_words<'a>(
 #[serde(try_from = "Value")]
 pub struct Word(pub String);
 
-/// A value that is not a word for a program.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("invalid value: {0}, expected a text, a number or a truth value")]
-pub struct NotAWord(Value);
-
 impl TryFrom<Value> for Word {
-    type Error = NotAWord;
+    type Error = String;
 
-    fn try_from(value: Value) -> Result<Self, NotAWord> {
+    fn try_from(value: Value) -> Result<Self, String> {
         match value {
             Value::String(text) if !text.contains('\0') => Ok(Self(text)),
             Value::Boolean(_) | Value::Integer(_) => Ok(Self(value.to_string())),
             Value::Float(number) => Ok(Self(number.to_string())),
-            other => Err(NotAWord(other)),
+            other => {
+                Err(format!("invalid value: {other}, expected a text, a number or a truth value"))
+            }
         }
     }
 }

@@ -199,7 +199,6 @@ tables! {
 
 impl Course {
     /// True if the source is used.
-    #[must_use]
     pub fn uses(&self, source: CourseSource) -> bool {
         self.sources.contains(&source)
     }
@@ -229,12 +228,10 @@ impl Perception {
     }
 
     /// Depth of the simulation of the radar.
-    #[must_use]
     pub fn model(&self) -> RadarModel {
         if self.ideal { RadarModel::Ideal } else { self.radar.model }
     }
 
-    #[must_use]
     pub fn gives_detections(&self) -> bool {
         self.model() == RadarModel::Detections
     }
@@ -252,11 +249,6 @@ pub enum Swerling {
     Case3,
 }
 
-/// A number that is not a case of Swerling's that applies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0} is out of range, expected {CASES}")]
-pub struct NoSwerlingCase(i64);
-
 const CASES: &str = "Swerling's case 0, 1 or 3";
 
 impl Schema for Swerling {
@@ -270,14 +262,14 @@ impl Schema for Swerling {
 }
 
 impl TryFrom<i64> for Swerling {
-    type Error = NoSwerlingCase;
+    type Error = String;
 
-    fn try_from(case: i64) -> Result<Self, NoSwerlingCase> {
+    fn try_from(case: i64) -> Result<Self, String> {
         match case {
             0 => Ok(Self::Case0),
             1 => Ok(Self::Case1),
             3 => Ok(Self::Case3),
-            other => Err(NoSwerlingCase(other)),
+            other => Err(format!("{other} is out of range, expected {CASES}")),
         }
     }
 }

@@ -142,13 +142,11 @@ impl Plant {
 
 impl Vehicle {
     /// True if it has engine, gears and a road with grade.
-    #[must_use]
     pub const fn is_truck(self) -> bool {
         !matches!(self, Self::Car)
     }
 
     /// Mass of a truck that vehicle and law assume, kg; `None` for a car.
-    #[must_use]
     pub const fn truck_kg(self) -> Option<f64> {
         match self {
             Self::Car => None,

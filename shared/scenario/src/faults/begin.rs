@@ -7,65 +7,27 @@ use serde::{Deserialize, Serialize};
 use crate::quantity::{AccelerationMagnitude, Distance, Speed, Time};
 use crate::schema::Schema;
 
-/// Start of a fault.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Begin {
-    At {
-        at_s: Time,
-    },
-    /// By what the ego does and meets.
-    When {
-        when: Condition,
-    },
-}
-
-/// The keys that say when a fault begins.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, Schema)]
-pub(super) struct BeginKeys {
+/// Start of a fault: a time, or what the ego does and meets.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Begin {
     /// Time of its start, s of run time. Absent: at the start, or by `when`.
     #[serde(default)]
-    pub(super) at_s: Option<Time>,
+    pub at_s: Option<Time>,
     /// Start by the ego's motion and surroundings. All given conditions must hold at once.
     #[serde(default)]
-    pub(super) when: Option<Condition>,
-}
-
-impl From<Begin> for BeginKeys {
-    fn from(begin: Begin) -> Self {
-        match begin {
-            Begin::At { at_s } => Self { at_s: Some(at_s), when: None },
-            Begin::When { when } => Self { at_s: None, when: Some(when) },
-        }
-    }
-}
-
-impl From<BeginKeys> for Begin {
-    /// The condition comes first; the reader refuses both at once.
-    fn from(keys: BeginKeys) -> Self {
-        match keys.when {
-            Some(when) => Self::When { when },
-            None => Self::At { at_s: keys.at_s.unwrap_or(Time::of(0.0)) },
-        }
-    }
+    pub when: Option<Condition>,
 }
 
 impl Begin {
     /// Run time at which it begins, ns, where that is known beforehand.
-    #[must_use]
     pub fn known_ns(&self) -> Option<i64> {
-        match self {
-            Self::At { at_s } => Some(i64::try_from(at_s.nanoseconds()).unwrap_or(i64::MAX)),
-            Self::When { .. } => None,
-        }
+        let ns = |at_s: Time| i64::try_from(at_s.nanoseconds()).unwrap_or(i64::MAX);
+        self.when.is_none().then(|| self.at_s.map_or(0, ns))
     }
 
     /// True if it begins with the ego driving so.
-    #[must_use]
     pub fn is_met(&self, drive: &Drive) -> bool {
-        match self {
-            Self::At { .. } => false,
-            Self::When { when } => when.holds(drive),
-        }
+        self.when.is_some_and(|when| when.holds(drive))
     }
 }
 
@@ -97,7 +59,6 @@ pub const STANDSTILL_MPS: f64 = 0.1;
 
 impl Condition {
     /// True if it holds for an ego that drives so.
-    #[must_use]
     pub fn holds(&self, drive: &Drive) -> bool {
         let stands = drive.speed_mps < STANDSTILL_MPS;
         let deceleration_mps2 = -drive.acceleration_mps2;

@@ -176,7 +176,6 @@ pub enum Target {
 }
 
 impl Effect {
-    #[must_use]
     pub const fn kind(&self) -> Kind {
         match self {
             Self::Process(fault) => fault.kind(),
@@ -185,7 +184,6 @@ impl Effect {
         }
     }
 
-    #[must_use]
     pub fn target(&self) -> Target {
         let own = match self {
             Self::Process(fault) => fault.target(),
@@ -198,7 +196,6 @@ impl Effect {
     }
 
     /// Messages that it acts on, if it acts on messages.
-    #[must_use]
     pub const fn extent(&self) -> Option<Extent> {
         match self {
             Self::Process(_) => None,
@@ -208,7 +205,6 @@ impl Effect {
     }
 
     /// Duration; `None` if it lasts to the end of the run or is over at once.
-    #[must_use]
     pub fn length(&self) -> Option<Duration> {
         match self {
             Self::Process(fault) => fault.length(),
@@ -218,21 +214,11 @@ impl Effect {
     }
 
     /// Run time of its end if it began at `begun_ns`, ns.
-    #[must_use]
     pub fn end_ns(&self, begun_ns: i64) -> i64 {
         let length = self.length();
         length.map_or(i64::MAX, |length| begun_ns.saturating_add_unsigned(length.nanoseconds()))
     }
 
-    #[must_use]
-    pub const fn of_processes(&self) -> Option<&ProcessFault> {
-        match self {
-            Self::Process(fault) => Some(fault),
-            Self::Channel(_) | Self::Sender(_) => None,
-        }
-    }
-
-    #[must_use]
     pub const fn of_channels(&self) -> Option<&ChannelFault> {
         match self {
             Self::Channel(fault) => Some(fault),
@@ -240,7 +226,6 @@ impl Effect {
         }
     }
 
-    #[must_use]
     pub const fn of_senders(&self) -> Option<&SenderFault> {
         match self {
             Self::Sender(fault) => Some(fault),

@@ -5,11 +5,11 @@ use serde::ser::{Error as _, SerializeMap};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::Value;
 
-use super::begin::BeginKeys;
 use super::{
     Begin, Disturbance, Effect, Extent, Falsification, Fault, Kind, MAX_FAULTS, ProcessFault,
     SenderFault, TopicName,
 };
+use crate::quantity::Time;
 use crate::reading::{self, Problem, refuse};
 use crate::schema::{self, Key, Schema, Shape};
 
@@ -18,13 +18,10 @@ struct FaultKeys {
     #[serde(flatten)]
     effect: Effect,
     #[serde(flatten)]
-    begin: BeginKeys,
+    begin: Begin,
 }
 
 /// Takes the list of faults out of the keys of a scenario, whose form was checked.
-///
-/// # Errors
-/// The first error.
 pub(crate) fn take_from(keys: &mut Value) -> Result<Vec<Fault>, Problem> {
     let list = keys.as_table_mut().and_then(|keys| keys.remove("faults"));
     let Some(Value::Array(list)) = list else { return Ok(Vec::new()) };
@@ -46,9 +43,12 @@ pub fn read(keys: toml::Table) -> Result<Fault, Problem> {
 
 /// The fault of a table that has the form of one.
 fn of_keys(keys: Value, path: &str) -> Result<Fault, Problem> {
-    let FaultKeys { effect, begin } = reading::plain(keys, path)?;
+    let FaultKeys { effect, mut begin } = reading::plain(keys, path)?;
     refuse!(if begin.at_s.is_some() && begin.when.is_some(),
         "{path}.when": "the fault has a time and a condition", "one of `at_s` and `when`");
+    if begin.when.is_none() {
+        begin.at_s.get_or_insert(Time::of(0.0));
+    }
     if let Effect::Sender(SenderFault {
         falsification: Falsification::Bias { topic, field, .. },
         ..
@@ -58,7 +58,7 @@ fn of_keys(keys: Value, path: &str) -> Result<Fault, Problem> {
         refuse!(if own != other, "{path}.field": "{own} has no such figure",
             "a figure of that topic, or topic = \"{other}\"");
     }
-    Ok(Fault { begin: Begin::from(begin), effect })
+    Ok(Fault { begin, effect })
 }
 
 /// The keys of a fault of that kind beside `kind`, with their ranges. They serve a reference, or a search over faults.
@@ -71,7 +71,6 @@ fn of_keys(keys: Value, path: &str) -> Result<Fault, Problem> {
 /// let Shape::Number { range, unit, .. } = keys[0].shape else { panic!("a number") };
 /// assert_eq!((keys[0].name.as_str(), range, unit), ("delay_ms", Some((0.0, 10_000.0)), "ms"));
 /// ```
-#[must_use]
 pub fn keys_of(kind: Kind) -> Vec<Key> {
     let own = |family: Shape| {
         let Shape::Choice(variants) = family else { return None };
@@ -88,7 +87,7 @@ pub fn keys_of(kind: Kind) -> Vec<Key> {
     let keys: Option<Vec<Key>> = own(ProcessFault::shape())
         .or_else(|| own(Disturbance::shape()).map(of_channel))
         .or_else(|| own(Falsification::shape()).map(of_sender));
-    keys.into_iter().flatten().chain(schema::keys_of::<BeginKeys>()).collect()
+    keys.into_iter().flatten().chain(schema::keys_of::<Begin>()).collect()
 }
 
 impl Schema for Fault {
@@ -100,7 +99,7 @@ impl Schema for Fault {
 impl Serialize for Fault {
     /// By way of TOML, which leaves absent keys out.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let keys = FaultKeys { effect: self.effect.clone(), begin: self.begin.into() };
+        let keys = FaultKeys { effect: self.effect.clone(), begin: self.begin };
         let keys = toml::Table::try_from(keys).map_err(S::Error::custom)?;
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", &self.effect.kind())?;

@@ -27,7 +27,7 @@ pub use effect::{
 };
 pub(super) use file::take_from;
 pub use file::{keys_of, read};
-pub use topic::{BiasedField, NoSuchTopic, TopicName};
+pub use topic::{BiasedField, TopicName};
 
 /// Most faults in one scenario.
 pub const MAX_FAULTS: usize = 64;

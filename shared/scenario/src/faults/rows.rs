@@ -31,7 +31,6 @@ macro_rules! kinds {
             }
 
             impl $family {
-                #[must_use]
                 pub const fn kind(&self) -> Kind {
                     match self {
                         $(Self::$kind { .. } => Kind::$kind,)+

@@ -22,7 +22,6 @@ tables! {
 }
 
 impl BiasedField {
-    #[must_use]
     pub const fn topic(self) -> Topic {
         match self {
             Self::GapM | Self::RelativeSpeedMps => Topic::RadarTracks,
@@ -44,11 +43,6 @@ impl TopicName {
     }
 }
 
-/// A name of no topic whose messages can be disturbed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no messages of `{0}` can be disturbed")]
-pub struct NoSuchTopic(String);
-
 impl Schema for TopicName {
     fn shape() -> Shape {
         Shape::Text { words: Self::all().map(|topic| topic.name().to_owned()).collect() }
@@ -56,11 +50,11 @@ impl Schema for TopicName {
 }
 
 impl TryFrom<String> for TopicName {
-    type Error = NoSuchTopic;
+    type Error = String;
 
-    fn try_from(name: String) -> Result<Self, NoSuchTopic> {
+    fn try_from(name: String) -> Result<Self, String> {
         let found = Self::all().find(|topic| topic.name() == name);
-        found.map(Self).ok_or(NoSuchTopic(name))
+        found.map(Self).ok_or_else(|| format!("no messages of `{name}` can be disturbed"))
     }
 }
 

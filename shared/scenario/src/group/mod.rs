@@ -22,7 +22,6 @@ macro_rules! per_service {
 
         impl<T> PerService<T> {
             /// The value for `service`.
-            #[must_use]
             pub const fn of(&self, service: Service) -> &T {
                 match service {
                     $(Service::$service => &self.$krate,)+

@@ -60,7 +60,6 @@ tables! {
 
 impl DesiredGap {
     /// At a speed of the ego, m.
-    #[must_use]
     pub fn at(self, speed_mps: f64) -> f64 {
         match self {
             Self::Fixed { gap_m } => gap_m.value(),

@@ -65,7 +65,6 @@ tables! {
 
 impl Runtime {
     /// Priority of `service` under SCHED_FIFO: its own, else by rate, then by the order of the chain.
-    #[must_use]
     pub fn priority(&self, service: Service) -> u8 {
         let own = self.services.of(service).priority;
         own.map_or(service.descriptor().priority, Priority::value)

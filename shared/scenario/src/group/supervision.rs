@@ -53,7 +53,6 @@ tables! {
 
 impl Supervision {
     /// Condition for `service` to be started again.
-    #[must_use]
     pub fn restart_of(&self, service: Service) -> Restart {
         let own = *self.services.of(service);
         own.unwrap_or(self.restart)
@@ -75,13 +74,11 @@ impl Schema for Standbys {
 }
 
 impl Standbys {
-    #[must_use]
     pub fn services(self) -> Vec<Service> {
         Service::ALL.into_iter().filter(|service| self.contains(*service)).collect()
     }
 
     /// True if `service` has a standby.
-    #[must_use]
     pub const fn contains(self, service: Service) -> bool {
         self.0[service.index()]
     }

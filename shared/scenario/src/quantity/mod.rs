@@ -116,7 +116,6 @@ macro_rules! nanoseconds {
     ($($name:ident: |$value:ident| $nanoseconds:expr;)+) => {$(
         impl $name {
             /// The time in nanoseconds, rounded to the nearest.
-            #[must_use]
             #[inline]
             pub const fn nanoseconds(self) -> u64 {
                 let $value = self.0;

@@ -27,9 +27,6 @@ pub struct OutOfRange<T: End> {
 /// A number that can end a range.
 pub trait End: Copy + fmt::Display {
     /// Writes the number as a person does: powers of ten for very large and very small ones.
-    ///
-    /// # Errors
-    /// Those of the formatter.
     fn write(self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")
     }
@@ -85,7 +82,6 @@ macro_rules! quantities {
             ///
             /// # Panics
             /// When the value is outside the range of the type.
-            #[must_use]
             pub const fn of(value: $repr) -> Self {
                 assert!(value as $number >= $least, $what);
                 assert!(value as $number <= $most, $what);
@@ -93,7 +89,6 @@ macro_rules! quantities {
             }
 
             /// The number, in the unit that the key's name carries.
-            #[must_use]
             #[inline]
             pub const fn value(self) -> $repr {
                 self.0

@@ -11,17 +11,6 @@ use super::open::Place;
 use super::reads::Reads;
 use crate::{Overrides, Scenario};
 
-/// Reason why bytes are not a scenario.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum DecodeError {
-    /// The encoding is damaged, or of another version.
-    #[error("the bytes are not a tree of values: {0}")]
-    Encoding(#[from] postcard::Error),
-    /// The tree is readable and makes no scenario.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-}
-
 #[derive(Serialize, Deserialize)]
 enum Value {
     Boolean(bool),
@@ -45,7 +34,6 @@ impl Scenario {
     /// assert_eq!(Scenario::from_bytes(&bytes)?, scenario);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let tree =
             toml::Value::try_from(self).expect("every value of a scenario has a form in TOML");
@@ -56,14 +44,14 @@ impl Scenario {
     ///
     /// # Errors
     /// When the bytes are damaged or come from another version of the program.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, DecodeError> {
-        let tree = toml::Value::from(postcard::from_bytes::<Value>(bytes)?);
-        let toml::Value::Table(keys) = tree else {
-            return Err(ScenarioError::whole("scenario", "no table of keys").into());
-        };
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ScenarioError> {
+        let whole = |message: &str| ScenarioError::whole("scenario", message);
+        let tree = postcard::from_bytes::<Value>(bytes)
+            .map_err(|e| whole(&format!("the bytes are not a tree of values: {e}")))?;
+        let toml::Value::Table(keys) = tree.into() else { return Err(whole("no table of keys")) };
         let none = Overrides::new();
         let document = Document::of_values(keys, &none);
-        Ok(Self::of_document(&document, Place::TakenEffect, &|_| Ok(Reads::everything()))?)
+        Self::of_document(&document, Place::TakenEffect, &|_| Ok(Reads::everything()))
     }
 }
 

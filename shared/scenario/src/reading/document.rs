@@ -25,7 +25,7 @@ pub const MAX_TEXT_BYTES: usize = 1 << 20;
 pub(crate) struct Document<'a> {
     origin: Origin<'a>,
     overrides: &'a Overrides,
-    root: Table,
+    pub(super) root: Table,
 }
 
 /// Origin of the keys that no option sets.
@@ -110,10 +110,6 @@ impl<'a> Document<'a> {
     /// Takes values that a program has, with `overrides` over them already.
     pub(crate) fn of_values(root: Table, overrides: &'a Overrides) -> Self {
         Self { origin: Origin::Values, overrides, root }
-    }
-
-    pub(crate) fn root(&self) -> &Table {
-        &self.root
     }
 
     /// Reads the document into a type that does not declare its keys.

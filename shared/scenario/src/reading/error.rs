@@ -85,13 +85,11 @@ impl ScenarioError {
     }
 
     /// The fault, without its place.
-    #[must_use]
     pub fn message(&self) -> &str {
         &self.message
     }
 
     /// The expected value, if known.
-    #[must_use]
     pub fn expected(&self) -> Option<&str> {
         self.expected.as_deref()
     }

@@ -13,9 +13,6 @@ use super::words::accepted;
 use crate::schema::{self, Key, Schema, Shape, Variant};
 
 /// Reads a value into a type that declares its keys; `path` is the value's own.
-///
-/// # Errors
-/// The first value or key that does not fit.
 pub(super) fn declared<T: DeserializeOwned + Schema>(
     value: Value,
     path: &str,
@@ -25,17 +22,11 @@ pub(super) fn declared<T: DeserializeOwned + Schema>(
 }
 
 /// Compares a value with the declaration of a type; `path` is the value's own.
-///
-/// # Errors
-/// The first value or key that does not have the declared form.
 pub(crate) fn check_form<T: Schema>(value: &Value, path: &str) -> Result<(), Problem> {
     check(schema::shape_of::<T>(), value, path)
 }
 
 /// Reads a value into a type; `path` is the value's own.
-///
-/// # Errors
-/// The first value or key that does not fit.
 pub(crate) fn plain<T: DeserializeOwned>(value: Value, path: &str) -> Result<T, Problem> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let path = error.path().iter().fold(path.to_owned(), |path, segment| match segment {
@@ -74,9 +65,6 @@ fn in_words(path: String, said: &str) -> Problem {
 }
 
 /// Compares a value with its declared form.
-///
-/// # Errors
-/// The first value or key that does not have it.
 fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Problem> {
     let wrong = |expected: &str| {
         Err(Problem::new(path, format!("invalid type: {}", found(value)), expected))

@@ -37,7 +37,6 @@ impl LawTables {
     }
 
     /// A complaint about the name of a table that was written.
-    #[must_use]
     pub fn refuse(&self, name: &str, message: &str, expected: &str) -> Problem {
         Problem::new(format!("controller.{name}"), message, expected).of_key()
     }

@@ -24,7 +24,6 @@ pub(crate) mod csv;
 pub(crate) mod text_file;
 pub(crate) mod words;
 
-pub use bytes::DecodeError;
 pub use document::MAX_TEXT_BYTES;
 pub use error::{Refusal, ScenarioError};
 pub use law_tables::LawTables;

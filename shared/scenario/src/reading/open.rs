@@ -107,7 +107,7 @@ impl Scenario {
         place: Place<'_>,
         check: Check<'_>,
     ) -> Result<Self, Refusal> {
-        let mut scenario = Self::of_keys(document.root().clone())?;
+        let mut scenario = Self::of_keys(document.root.clone())?;
         if let Place::BuiltIn(Some(storyboard)) = place {
             scenario.storyboard = Some(storyboard.clone());
         }

@@ -35,7 +35,6 @@ pub(super) struct Shown {
 
 impl Overrides {
     /// No override.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }

@@ -26,13 +26,11 @@ pub struct Reads {
 
 impl Reads {
     /// Every key counts as read: for a reader without a law.
-    #[must_use]
     pub fn everything() -> Self {
         Self::default()
     }
 
     /// The keys of a law that has read nothing yet.
-    #[must_use]
     pub fn of(law: &str) -> Self {
         Self { law: Some(law.to_owned()), ..Self::default() }
     }
@@ -58,7 +56,6 @@ impl Reads {
     }
 
     /// True if the law reads the key.
-    #[must_use]
     pub fn has(&self, path: &str) -> bool {
         self.law.is_none() || self.acts(path) || self.acts_on_backup(path)
     }
@@ -75,9 +72,6 @@ impl Reads {
     }
 
     /// Judges the keys that a document has below `[controller]`: what is to be noted of them.
-    ///
-    /// # Errors
-    /// The first key without effect that was written for this law.
     pub(super) fn judge(&self, document: &Document<'_>) -> Result<Vec<String>, Problem> {
         let Some(law) = &self.law else { return Ok(Vec::new()) };
         let (mut unread, mut backup) = (Vec::new(), Vec::new());
@@ -107,9 +101,6 @@ impl Reads {
 }
 
 /// Judges the keys that a document has below `[perception]`, as [`Reads::judge`] does.
-///
-/// # Errors
-/// The first key without effect that was written for this model.
 pub(super) fn judge_radar(
     document: &Document<'_>,
     perception: &Perception,

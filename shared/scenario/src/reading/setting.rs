@@ -67,7 +67,6 @@ impl Setting {
     }
 
     /// The faults of a scenario.
-    #[must_use]
     pub fn faults(faults: &[Fault]) -> Self {
         let value = |fault| Value::try_from(fault).expect("a fault has a form in TOML");
         Self::new("faults", faults.iter().map(value).collect::<Vec<_>>())
@@ -89,19 +88,16 @@ impl Setting {
     }
 
     /// Its dotted path.
-    #[must_use]
     pub fn key(&self) -> String {
         self.path.join(".")
     }
 
     /// Its value.
-    #[must_use]
     pub fn value(&self) -> &Value {
         &self.value
     }
 
     /// Key and value for tables of results: as they were typed, a word without quotes.
-    #[must_use]
     pub fn shown(&self) -> (String, String) {
         match self.typed.as_deref().and_then(|typed| typed.split_once('=')) {
             Some((key, value)) => {

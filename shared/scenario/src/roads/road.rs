@@ -98,7 +98,6 @@ pub struct RoadPoint(pub Distance, pub Height);
 
 impl Road {
     /// True if no heights are given.
-    #[must_use]
     pub fn is_level(&self) -> bool {
         self.builtin.is_none()
             && self.csv.is_none()
@@ -107,7 +106,6 @@ impl Road {
     }
 
     /// The road in the plane, if it has one.
-    #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
         self.plan.as_ref()
     }

@@ -97,7 +97,6 @@ pub fn written(value: &impl Serialize) -> Option<toml::Value> {
 
 impl Key {
     /// A key whose value is read into a `T`. It must be written if it has no default, unless it is an option.
-    #[must_use]
     pub fn of<T: Schema>(name: &str, meaning: &str, default: Option<Option<toml::Value>>) -> Self {
         let shape = T::shape();
         Self {
@@ -127,7 +126,6 @@ impl Shape {
 }
 
 /// The keys of the table that is read into a `T`; none if it is not a table.
-#[must_use]
 pub fn keys_of<T: Schema>() -> Vec<Key> {
     match T::shape() {
         Shape::Table(keys) => keys,

@@ -12,11 +12,8 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
-
 /// The address of a carrier of radio frames.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CarrierAddress {
     Udp {
         /// A multicast group, or the vehicle's own address.
@@ -35,12 +32,10 @@ pub enum CarrierAddress {
 /// Text that is not a carrier's address.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CarrierAddressError {
-    /// It begins with no known carrier.
     #[error(
         "`{0}` names no carrier, expected udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5 or pcap:FILE"
     )]
     Scheme(String),
-    /// The text after `udp://` is not an IP address with a port.
     #[error(
         "`{0}` is not an IP address with a port, expected udp://239.255.3.1:5520 or udp://[ff02::114]:5520"
     )]
@@ -48,17 +43,14 @@ pub enum CarrierAddressError {
     /// Port 0 cannot be listened on by agreement.
     #[error("port 0 is not a port to agree on, expected 1 to 65535")]
     Port,
-    /// An option of `udp://` that is not known.
     #[error("`{0}` is not an option of udp://, expected ?interface=NAME")]
     Option(String),
-    /// No file after `zenoh:` or `pcap:`.
     #[error("`{0}` lacks the file, expected {0}FILE")]
     File(&'static str),
 }
 
 impl CarrierAddress {
     /// True for UDP to a group, of which several vehicles can be members.
-    #[must_use]
     pub fn is_multicast(&self) -> bool {
         matches!(self, Self::Udp { address, .. } if address.ip().is_multicast())
     }
@@ -74,7 +66,6 @@ impl CarrierAddress {
     }
 
     /// True for a carrier whose frames come at their own wall-clock instants: everything but a capture.
-    #[must_use]
     pub fn is_live(&self) -> bool {
         !matches!(self, Self::Capture { .. })
     }
@@ -135,20 +126,6 @@ impl fmt::Display for CarrierAddress {
             Self::Zenoh { configuration: Some(file) } => write!(f, "zenoh:{}", file.display()),
             Self::Capture { file } => write!(f, "pcap:{}", file.display()),
         }
-    }
-}
-
-impl TryFrom<String> for CarrierAddress {
-    type Error = CarrierAddressError;
-
-    fn try_from(text: String) -> Result<Self, CarrierAddressError> {
-        text.parse()
-    }
-}
-
-impl From<CarrierAddress> for String {
-    fn from(address: CarrierAddress) -> Self {
-        address.to_string()
     }
 }
 

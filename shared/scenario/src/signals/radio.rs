@@ -27,16 +27,6 @@ pub enum Radio {
     Carrier(CarrierAddress),
 }
 
-/// Text that is not a radio.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum RadioError {
-    /// It is neither a known word nor an address.
-    #[error("`{0}` is not a radio, expected {RADIOS}")]
-    Unknown(String),
-    #[error(transparent)]
-    Address(CarrierAddressError),
-}
-
 const RADIOS: &str =
     "one of direct, frames, udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5, pcap:FILE";
 
@@ -52,13 +42,11 @@ impl Schema for Radio {
 
 impl Radio {
     /// True for structs.
-    #[must_use]
     pub fn is_direct(&self) -> bool {
         *self == Self::Direct
     }
 
     /// Carrier of the frames that are not simulated in the run.
-    #[must_use]
     pub fn carrier(&self) -> Option<&CarrierAddress> {
         match self {
             Self::Direct | Self::Frames => None,
@@ -67,7 +55,6 @@ impl Radio {
     }
 
     /// True if frames come from other hosts as they are sent.
-    #[must_use]
     pub fn is_live(&self) -> bool {
         self.carrier().is_some_and(CarrierAddress::is_live)
     }
@@ -81,15 +68,17 @@ impl Radio {
 }
 
 impl TryFrom<String> for Radio {
-    type Error = RadioError;
+    type Error = String;
 
-    fn try_from(text: String) -> Result<Self, RadioError> {
+    fn try_from(text: String) -> Result<Self, String> {
         match text.as_str() {
             "direct" => Ok(Self::Direct),
             "frames" => Ok(Self::Frames),
             other => other.parse().map(Self::Carrier).map_err(|error| match error {
-                CarrierAddressError::Scheme(text) => RadioError::Unknown(text),
-                error => RadioError::Address(error),
+                CarrierAddressError::Scheme(text) => {
+                    format!("`{text}` is not a radio, expected {RADIOS}")
+                }
+                error => error.to_string(),
             }),
         }
     }
@@ -212,7 +201,6 @@ tables! {
 
 impl Origin {
     /// Latitude and longitude as messages have them, 1e-7 degrees.
-    #[must_use]
     pub fn steps(&self) -> (i32, i32) {
         let steps = |degrees: f64| (degrees * 1e7).round() as i32;
         (steps(self.latitude_deg.value()), steps(self.longitude_deg.value()))

@@ -119,7 +119,6 @@ tables! {
 
 impl Profile {
     /// The points of a table of speeds, when the profile is one.
-    #[must_use]
     pub fn points(&self) -> Option<&[SpeedPoint]> {
         match self {
             Self::Speeds(points) | Self::Csv(CsvFile { points, .. }) => Some(points),
@@ -136,7 +135,6 @@ impl Profile {
 
 impl LateralMotion {
     /// The part of the way that is done at `time_s`, from 0 to 1, and how fast it grows, 1/s.
-    #[must_use]
     pub fn progress(&self, time_s: f64) -> (f64, f64) {
         let duration_s = self.duration_s.value();
         let since_s = (time_s - self.time_s.value()).clamp(0.0, duration_s);

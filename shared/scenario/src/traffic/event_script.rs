@@ -23,7 +23,6 @@ impl Scenario {
     /// The script that moves its actors: an OpenSCENARIO file's, or one made of the actors' events.
     /// Entity 0 is the ego in the latter, entity `i + 1` the actor `i`. Nothing where no actor is
     /// moved by events.
-    #[must_use]
     pub fn script(&self) -> Option<Script> {
         if let Some(storyboard) = &self.storyboard {
             return Some(storyboard.script.clone());

@@ -30,7 +30,6 @@ tables! {
 
 impl Cycle {
     /// The points, from time 0.
-    #[must_use]
     pub fn points(self) -> &'static [SpeedPoint] {
         static TABLES: [OnceLock<Vec<SpeedPoint>>; 4] = [const { OnceLock::new() }; 4];
         TABLES[self as usize].get_or_init(|| parse(self.text()))

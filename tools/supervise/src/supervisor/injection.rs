@@ -11,7 +11,7 @@ use drive::log::DriveLog;
 use messages::Service;
 use runtime::{Injected, Mode, ToService, concerned, monotonic_ns};
 use rustix::process::Signal;
-use scenario::faults::{Fault, Helper};
+use scenario::faults::{Effect, Fault, Helper};
 use std::collections::BTreeMap;
 
 impl Supervisor<'_> {
@@ -73,7 +73,7 @@ impl Supervisor<'_> {
     pub(super) fn inject(&mut self, fault: Fault, log: &DriveLog, now_ns: i64) -> Answer {
         let lockstep = self.launch.mode == Mode::Lockstep;
         let refused = |message: String| Answer { ok: false, message };
-        let is_of_processes = fault.effect.of_processes().is_some();
+        let is_of_processes = matches!(fault.effect, Effect::Process(_));
         if is_of_processes && lockstep {
             return refused("the run is in lockstep: faults of processes need realtime".into());
         }

@@ -221,13 +221,11 @@ impl Latencies {
     }
 
     /// Number of recorded durations.
-    #[must_use]
     pub fn count(&self) -> u64 {
         self.recorded().map(|(_, count)| count).sum()
     }
 
     /// Number of recorded durations of more than `duration_ns`, to the resolution of the histogram.
-    #[must_use]
     pub fn count_above_ns(&self, duration_ns: u64) -> u64 {
         let limit = bucket(duration_ns.min(HIGHEST_NS));
         let above = self.recorded().filter(|(bucket, _)| *bucket > limit);
@@ -235,7 +233,6 @@ impl Latencies {
     }
 
     /// The whole distribution, as a curve; empty if nothing was recorded.
-    #[must_use]
     pub fn quantile_curve(&self) -> QuantileCurve {
         // Ten points between the median and the next quarter, the next eighth, and so on.
         let Some((shortest_ns, longest_ns)) = self.range_ns() else { return Vec::new() };
@@ -248,7 +245,6 @@ impl Latencies {
     }
 
     /// Percentiles in microseconds; `None` if nothing was recorded.
-    #[must_use]
     pub fn percentiles_us(&self) -> Option<Percentiles> {
         let total = self.count();
         let (_, most_ns) = self.range_ns()?;

@@ -117,19 +117,16 @@ pub struct SpiralLengths(pub PieceLength, pub PieceLength);
 
 impl Lanes {
     /// Offset of the road's left edge from the axis, m, where nothing is said along the road.
-    #[must_use]
     pub fn left_edge_m(&self) -> f64 {
         (f64::from(self.left.value()) + 0.5) * self.width_m.value()
     }
 
     /// The same of the right edge, m; negative.
-    #[must_use]
     pub fn right_edge_m(&self) -> f64 {
         -(f64::from(self.right.value()) + 0.5) * self.width_m.value()
     }
 
     /// Offsets of the right and the left edge from the axis at a place, m.
-    #[must_use]
     pub fn edges_m(&self, p_m: f64) -> [f64; 2] {
         self.along.edges_m(p_m).unwrap_or_else(|| [self.right_edge_m(), self.left_edge_m()])
     }
@@ -143,7 +140,6 @@ impl Lanes {
     /// assert_eq!(lines[0], [[0.0, -5.25], [90.0, -5.25]]);
     /// assert_eq!(lines.len(), 4);
     /// ```
-    #[must_use]
     pub fn lines(&self, from_m: f64, to_m: f64) -> Vec<Vec<[f64; 2]>> {
         if !self.along.is_empty() {
             return self.along.between(from_m, to_m);
@@ -156,7 +152,6 @@ impl Lanes {
 
 impl Start {
     /// The pose that places the road in the plane.
-    #[must_use]
     pub fn pose(&self) -> road::Pose {
         road::Pose {
             x_m: self.x_m.value(),
@@ -171,7 +166,6 @@ impl Plan {
     ///
     /// # Panics
     /// If the plan has not been checked: the scenario refuses a plan without an axis.
-    #[must_use]
     pub fn axis(&self) -> &road::Axis {
         self.axis.get_or_init(|| self.built().expect("the scenario has been checked"))
     }

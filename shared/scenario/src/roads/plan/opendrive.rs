@@ -59,7 +59,6 @@ impl OpendriveRoad {
 
 impl Start {
     /// A place of the plane, or the origin for one beyond the range of coordinates.
-    #[must_use]
     pub fn of_pose(pose: &road::Pose) -> Self {
         let degrees = libm::remainder(pose.heading_rad, std::f64::consts::TAU).to_degrees();
         let read = || -> Option<Self> {
@@ -75,7 +74,6 @@ impl Start {
 
 impl Lanes {
     /// The lanes beside the ego's, all as wide as that, if their numbers are in range.
-    #[must_use]
     pub fn beside([left, right]: [usize; 2], width_m: f64) -> Self {
         let count =
             |count: usize| i64::try_from(count).ok().and_then(|n| LaneCount::try_from(n).ok());

@@ -312,7 +312,6 @@ fn finish(
 }
 
 /// The largest change of speed between two points, m/s², with its sign, and its time, s.
-#[must_use]
 pub fn hardest(points: impl IntoIterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
     let mut hardest: Option<(f64, f64)> = None;
     let mut last: Option<(f64, f64)> = None;
@@ -343,7 +342,6 @@ impl Record {
     }
 
     /// Remarks for the person who uses the record.
-    #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let (rate, at_s) = hardest(self.profile()).unwrap_or_default();
         if rate.abs() <= NOTED_MPS2 {
