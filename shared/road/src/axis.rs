@@ -3,8 +3,8 @@
 use crate::build::Builder;
 use crate::cell::{CELL_M, Cell, Place, after};
 use crate::{
-    AxisError, AxisFault, CROSSING_WITHIN_M, Laid, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M, MIN_RADIUS_M,
-    Piece, Pose,
+    AxisError, AxisFault, CROSSING_WITHIN_M, Laid, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M,
+    MIN_RADIUS_M, Piece, Pose,
 };
 
 /// Most steps of a projection; three are usual.

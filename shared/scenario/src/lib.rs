@@ -58,9 +58,7 @@ pub use reading::{
 pub use roads::{plan, road};
 pub use signals::{carrier, radio, v2x};
 pub use toml::{Table, Value};
-pub use traffic::{
-    actor, event, recorded, speeds, storyboard, sumo as sumo_traffic, translation,
-};
+pub use traffic::{actor, event, recorded, speeds, storyboard, sumo as sumo_traffic, translation};
 
 use serde::de::DeserializeOwned;
 
