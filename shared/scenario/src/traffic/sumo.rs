@@ -21,7 +21,7 @@ use crate::actor::{Actor, MAX_ACTORS, Profile};
 use crate::event::VEHICLE_WIDTH_M;
 use crate::lateral::LateralModel;
 use crate::name::Name;
-use crate::plan::{AlongRoad, Lanes, Start};
+use crate::plan::{Lanes, Start};
 use crate::quantity::{
     Distance, Duration, IntersectionId, Lateral, Length, SignalGroupId, Speed, Time,
 };
@@ -119,7 +119,7 @@ pub(crate) fn load(
     if !document.has("road.plan") {
         plan.start = Start::of_pose(&route.start);
         let beside = Lanes::beside(route.beside, width_m(&route));
-        plan.lanes = Lanes { along: AlongRoad(route.lines.clone()), ..beside };
+        plan.lanes = Lanes { along: route.lines.clone(), ..beside };
     }
     plan.route = Some(route);
     Ok(notes)
