@@ -50,7 +50,7 @@ pub use counts::account::{LastAccount, Progress};
 pub use counts::figures::{Count, Figures, RELEASE_JITTER};
 pub use counts::statistics;
 pub use counts::statistics::histogram_log;
-pub use error::RuntimeError;
+pub use error::{RuntimeError, TransportError};
 pub use faults::{FaultStatistics, Injected, concerned};
 pub use guest::Guest;
 pub use in_process::{Entry, InProcess};
@@ -73,7 +73,5 @@ pub use survival::checkpoint::Checkpoint;
 pub use survival::fence as epoch;
 pub use survival::standby::{ActiveProcess, Cause, CycleWatch, TakeOver};
 pub use transport::waking::{Ticket, Waiter, Waker, wait_word, wake_word};
-pub use transport::{
-    Carrier, Ipc, Loan, Sealing, TransportError, Turns, domain, shared_memory_bytes,
-};
+pub use transport::{Carrier, Ipc, Loan, Sealing, Turns, domain, shared_memory_bytes};
 pub use words::{Atomics, Shared, SharedWords};

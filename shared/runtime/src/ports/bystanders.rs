@@ -6,10 +6,8 @@ use crate::ports::members::Members;
 use crate::report::ReceivedTopic;
 use crate::survival::fence::Fences;
 use crate::transport::waking::Waker;
-use crate::transport::{
-    Held, Inlet, Outlet, Seat, SharedMemory, Transport, TransportError, Wanted,
-};
-use crate::{Group, RuntimeError};
+use crate::transport::{Held, Inlet, Outlet, Seat, SharedMemory, Transport, Wanted};
+use crate::{Group, RuntimeError, TransportError};
 use messages::Message;
 use std::cell::RefCell;
 use std::rc::Rc;

@@ -2,11 +2,11 @@
 
 use super::Tally;
 use super::check::Check;
-use crate::RuntimeError;
 use crate::faults::Disturbed;
 use crate::life::link::End;
 use crate::transport::waking::{Ticket, Waiter};
-use crate::transport::{Held, Inlet, TransportError};
+use crate::transport::{Held, Inlet};
+use crate::{RuntimeError, TransportError};
 use messages::{Message, Origin};
 use std::cell::RefCell;
 use std::mem::swap;

@@ -7,11 +7,11 @@
 //! A sender goes on only if each reader sees what was the newest message at its release: it waits for its next turn, as
 //! it would wait for room in shared memory. It writes the next message into one that its readers no longer have.
 
-use super::{Sealing, TransportError, Wanted, buffer, buffer_of};
+use super::{Sealing, Wanted, buffer, buffer_of};
 use crate::in_process::coroutine::Pause;
 use crate::life::link::End;
 use crate::transport::waking::Waiter;
-use crate::{Clock, Timetable};
+use crate::{Clock, Timetable, TransportError};
 use messages::{Message, Topic};
 use std::any::Any;
 use std::cell::{Cell, RefCell};

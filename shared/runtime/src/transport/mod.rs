@@ -22,11 +22,9 @@ use crate::life::link::End;
 use crate::transport::memory::{MemoryReceiver, MemorySender};
 use crate::transport::message::Place;
 use crate::transport::waking::{Waiter, Waker};
-use crate::{Clock, RuntimeError, Timetable};
+use crate::{Clock, RuntimeError, Timetable, TransportError};
 use messages::{Message, Topic};
 use serde::Serialize;
-use std::error::Error;
-use std::io;
 use std::rc::Rc;
 
 /// Carrier of the messages of a run.
@@ -48,41 +46,6 @@ pub enum Sealing {
     /// They do not: nothing outside of the run's thread ever has them, and nothing compares them with another
     /// run's. All else is the same.
     Unsealed,
-}
-
-/// Refusal by a carrier of messages, or by a library or the system below it.
-#[derive(Debug, thiserror::Error)]
-pub enum TransportError {
-    /// A call of iceoryx2, whose errors are names.
-    #[error("{0:?}")]
-    Iceoryx2(Box<dyn Error + Send + Sync>),
-    /// A call of the system, for this.
-    #[error("{0}: {1}")]
-    System(&'static str, #[source] io::Error),
-    /// The run's root is not a path for iceoryx2.
-    #[error("the path is not UTF-8")]
-    Path,
-    /// The ids of iceoryx2's ports do not name their process.
-    #[error("iceoryx2 does not name the process in its port ids as expected")]
-    PortId,
-    /// All members wait, one of them for room.
-    #[error("a receiver does not read")]
-    NotRead,
-    /// There is no room, and the sender must not wait.
-    #[error("a receiver's queue is full")]
-    Full,
-    /// The message was loaned from another carrier.
-    #[error("a message of another carrier")]
-    OtherCarrier,
-    /// Bytes are played that no message of the topic has.
-    #[error("{0} bytes are not such a message")]
-    Length(usize),
-}
-
-impl TransportError {
-    pub(crate) fn iceoryx2(error: impl Error + Send + Sync + 'static) -> Self {
-        Self::Iceoryx2(Box::new(error))
-    }
 }
 
 /// Messages that a subscriber can lag behind. They are twice what the plant publishes between two releases of

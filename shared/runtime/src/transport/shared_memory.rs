@@ -1,13 +1,13 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
-use super::{TransportError, buffer, buffer_of};
+use super::{buffer, buffer_of};
 use crate::counts::MOST_BYTES as MOST_COUNTS_BYTES;
 use crate::life::link::End;
 use crate::ports::members::Members;
 use crate::survival::checkpoint::MOST_BYTES as MOST_STATE_BYTES;
 use crate::transport::waking::{Waiter, Waker};
 use crate::words::{RunWords, Shared};
-use crate::{Group, Mode, RuntimeError, Timetable};
+use crate::{Group, Mode, RuntimeError, Timetable, TransportError};
 use iceoryx2::config::Config;
 use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::update_connections::UpdateConnections;
