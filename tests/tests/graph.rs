@@ -101,7 +101,7 @@ fn a_graph_with_faults_is_measured_to_its_end_and_leaves_nothing() {
 #[test]
 fn a_chain_that_is_late_is_status_1() {
     let corner = Corner::new(PROGRAM);
-    let (status, report, said) = run(&corner, &GRAPH.replace("60000", "0.01"), "0.5");
+    let (status, report, said) = run(&corner, &GRAPH.replace("60000", "0.05"), "0.5");
     assert_eq!(status, Some(1), "{said}");
     assert!(report["chains"][1]["misses"].as_u64() > Some(0), "{report}");
 }
@@ -166,7 +166,7 @@ fn what_cannot_be_run_is_refused_with_its_place() {
             ["a cycle that nothing starts", "period_ms"],
         ),
         ("standby = true", "core = 1000", 3, ["g.toml: node detect", "core 1000"]),
-        ("sh -c", "./no-such -c", 2, ["no program `./no-such`", "g.toml:23:11"]),
+        ("sh -c", "./no-such -c", 2, ["no program `./no-such`", "g.toml:22:11"]),
     ] {
         assert!(GRAPH.contains(was), "{was}");
         let (found, _, said) = run(&corner, &GRAPH.replacen(was, is, 1), "0.2");

@@ -10,10 +10,10 @@ use system_tests::{Corner, text};
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
 /// Defines a test for each study: its name in the schema, and the words of a small command. The slow run of
-/// `bench.rs` serves for the schema of `bench` too.
+/// `bench.rs` serves for the schema of `bench` too, and `graph.rs` has the schema of graphs.
 macro_rules! studies {
     ($($name:ident: $words:literal;)*) => {
-        const STUDIES: &[&str] = &["bench", $(stringify!($name)),*];
+        const STUDIES: &[&str] = &["bench", "graph", $(stringify!($name)),*];
 
         $(
             #[test]

@@ -107,7 +107,7 @@ pub fn run(arguments: &ListArguments, command: &clap::Command) -> Result<ExitCod
     let tests = tests.flat_map(clap::Command::get_subcommands);
     let tests = tests.map(|test| line(test.get_name(), &about(test)));
     let run = "timegap run NAME; timegap list --show NAME prints the file";
-    let lists: [(&str, &str, Vec<(String, String)>); 4] = [
+    let lists: [(&str, &str, Vec<_>); 4] = [
         ("Scenarios", run, scenarios.collect()),
         ("Controllers", "timegap run --controller NAME", laws.collect()),
         ("Campaigns", "timegap campaign NAME", campaigns.collect()),

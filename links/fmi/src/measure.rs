@@ -75,7 +75,7 @@ impl Measure {
     }
 
     /// The number of an SI value.
-    pub fn from_si(self, value: f64) -> f64 {
+    pub fn of_si(self, value: f64) -> f64 {
         (value - self.offset) / self.factor
     }
 }

@@ -132,7 +132,7 @@ impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
             wiring.starts.iter().map(|(variable, value)| (variable, *value)).collect();
         for (quantity, wire) in &wiring.wires {
             if let Flow::Start(value) = quantity.flow {
-                starts.push((&wire.variable, wire.measure.from_si(value(question))));
+                starts.push((&wire.variable, wire.measure.of_si(value(question))));
             }
         }
         self.instance.begin(&starts)?;
@@ -155,7 +155,7 @@ impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
         }
         for (quantity, wire) in &self.unit.wiring.wires {
             if let Flow::Input(value) = quantity.flow {
-                self.instance.set(&wire.variable, wire.measure.from_si(value(question)))?;
+                self.instance.set(&wire.variable, wire.measure.of_si(value(question)))?;
             }
         }
         let what = &self.unit.description;

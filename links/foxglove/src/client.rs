@@ -3,7 +3,7 @@
 use crate::guard::Refusal;
 use crate::pace::{Pace, Reading};
 use crate::protocol::{self, Asked, SERVICE};
-use crate::server::{Subject, report};
+use crate::subject::{Subject, report};
 use std::collections::{BTreeMap, VecDeque};
 use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

@@ -1,7 +1,7 @@
 //! What a viewer may ask of a run: its keys as parameters, and a service that injects faults.
 
 use crate::protocol::{Parameter, advertise_service};
-use crate::server::Answer;
+use crate::subject::Answer;
 use scenario::faults::{self, Kind, keys_of};
 use scenario::schema::Shape;
 use serde_json::{Value, json};

@@ -25,10 +25,12 @@ mod pace;
 mod protocol;
 mod recorded;
 mod server;
+mod subject;
 
 pub use live::{run, serve};
 pub use protocol::Parameter;
-pub use server::{Answer, Server, Subject};
+pub use server::Server;
+pub use subject::{Answer, Subject};
 
 use supervise::UsageError;
 

@@ -1,16 +1,17 @@
 //! The bridge of a run in progress: started with it by the supervisor, or later by a person.
 
 use crate::inject::{announcement, injector, parameters};
-use crate::server::{Server, Subject};
-use crate::{port, recorded};
-use messages::{Header, Topic};
+use crate::port;
+use crate::recorded::{hand_on, play};
+use crate::server::Server;
+use crate::subject::Subject;
+use messages::Header;
 use recorder::{
     Encoder, FILE, FromRecorder, Metadata, Recording, Start, Taps, ToRecorder, orders, say,
 };
 use runtime::{Group, Mode, Tap, log_warnings, monotonic_ns};
 use scenario::Scenario;
 use serde::Deserialize;
-use std::convert::Infallible;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -102,7 +103,7 @@ pub fn serve(viewer: &str, run: &Path, speed: f64) -> Result<ExitCode, Error> {
         Some(Ok(_)) | None => {
             let recording = Recording::open(&run)?;
             let server = open(port, recording.metadata(), None)?;
-            return Ok(recorded::play(&recording, server, speed));
+            return Ok(play(&recording, server, speed));
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -177,21 +178,6 @@ fn follow(
     }
     server.end("the run has ended");
     Ok(())
-}
-
-/// Sends a message, and what is drawn by it; the instant in ns since 1970.
-pub(crate) fn hand_on(
-    encoder: &mut Encoder,
-    (topic, run_ns, bytes): (Topic, i64, &[u8]),
-    server: &Server,
-) -> u64 {
-    let mut unix_ns = 0;
-    let Ok(()) = encoder.encode(topic, run_ns, bytes, |head, payload| {
-        unix_ns = head.log_time;
-        server.send(head.channel_id, head.log_time, payload);
-        Ok::<(), Infallible>(())
-    });
-    unix_ns
 }
 
 fn published_ns(message: &[u8]) -> i64 {

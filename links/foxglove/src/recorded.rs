@@ -1,8 +1,9 @@
 //! A recording, played to viewers at its own pace.
 
-use crate::live::hand_on;
 use crate::server::Server;
+use messages::Topic;
 use recorder::{Encoder, Recording};
+use std::convert::Infallible;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use supervise::is_signalled;
@@ -38,4 +39,19 @@ pub(crate) fn play(recording: &Recording, server: Server, speed: f64) -> ExitCod
     let damage: Vec<_> = recording.damage().iter().chain(records.damage()).collect();
     damage.iter().for_each(|damage| eprintln!("{}: {damage}", recording.path().display()));
     if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Sends a message, and what is drawn by it; the instant in ns since 1970.
+pub(crate) fn hand_on(
+    encoder: &mut Encoder,
+    (topic, run_ns, bytes): (Topic, i64, &[u8]),
+    server: &Server,
+) -> u64 {
+    let mut unix_ns = 0;
+    let Ok(()) = encoder.encode(topic, run_ns, bytes, |head, payload| {
+        unix_ns = head.log_time;
+        server.send(head.channel_id, head.log_time, payload);
+        Ok::<(), Infallible>(())
+    });
+    unix_ns
 }

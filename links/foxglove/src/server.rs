@@ -2,11 +2,10 @@
 
 use crate::client::Client;
 use crate::guard::{self, Refusal};
-use crate::protocol::{self, Parameter, SUBPROTOCOLS};
-use recorder::Channel;
+use crate::protocol::SUBPROTOCOLS;
+use crate::subject::{Subject, report};
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
@@ -19,33 +18,6 @@ const MOST_CLIENTS: usize = 16;
 const HANDSHAKE: Duration = Duration::from_secs(5);
 /// Time for what still waits for viewers at the end.
 const LEAVE: Duration = Duration::from_secs(1);
-
-/// Answers a request of the service; an error is for the viewer's user.
-pub type Answer = Box<dyn Fn(&[u8]) -> Result<Vec<u8>, String> + Send + Sync>;
-
-/// What viewers are offered.
-pub struct Subject {
-    /// Name of the server.
-    pub name: String,
-    /// Another one for each run: a viewer that comes back knows whether it sees the same run.
-    pub session: String,
-    /// Channels, by the numbers that their messages have.
-    pub channels: Vec<Channel>,
-    /// Values that do not change.
-    pub parameters: Vec<Parameter>,
-    /// The announcement of a service, and the function that answers.
-    pub service: Option<(String, Answer)>,
-}
-
-impl Subject {
-    /// Texts for a client that has connected.
-    fn welcome(&self) -> Vec<String> {
-        let info = protocol::server_info(&self.name, &self.session, self.service.is_some());
-        let service = self.service.as_ref().map(|(announcement, _)| announcement.clone());
-        let texts = [info, protocol::advertise(&self.channels)];
-        texts.into_iter().chain(service).collect()
-    }
-}
 
 /// A server on 127.0.0.1. Viewers come and go; sending never waits for one.
 #[derive(Debug)]
@@ -194,15 +166,4 @@ fn choose(request: &Request, mut response: Response) -> Result<Response, Refusal
     let chosen = HeaderValue::from_static(chosen.ok_or(Refusal::Subprotocol)?);
     response.headers_mut().insert(PROTOCOL, chosen);
     Ok(response)
-}
-
-/// Writes a line about a client, unless clients have given reason for many.
-pub(crate) fn report(address: SocketAddr, what: &str, why: &str) {
-    const MOST: usize = 10;
-    static LINES: AtomicUsize = AtomicUsize::new(0);
-    match LINES.fetch_add(1, Ordering::Relaxed) {
-        line if line < MOST => tracing::warn!("viewer {address} was {what}: {why}"),
-        MOST => tracing::warn!("no more lines about viewers"),
-        _ => {}
-    }
 }

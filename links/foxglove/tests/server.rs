@@ -247,7 +247,7 @@ fn a_port_that_is_taken_is_an_error_and_too_many_viewers_are_refused() {
         parameters: Vec::new(),
         service: None,
     };
-    let error = Server::open(port, subject).err().expect("the port is taken");
+    let error = Server::open(port, subject).expect_err("the port is taken");
     assert_eq!(error.kind(), std::io::ErrorKind::AddrInUse);
     let viewers: Vec<Viewer> = (0..16).map(|_| Viewer::of(&server)).collect();
     assert!(request(&server, "foxglove.sdk.v1", None).is_err(), "one too many");

@@ -130,7 +130,7 @@ fn between(net: &Net, from: &str, to: &str) -> Option<Vec<String>> {
     let mut best: HashMap<&str, (u64, Option<&str>)> = HashMap::from([(from, (0, None))]);
     let mut open = BinaryHeap::from([Reverse((0, from))]);
     while let Some(Reverse((so_far, edge))) = open.pop() {
-        if edge == to && so_far > 0 || edge == to && from == to {
+        if edge == to && (so_far > 0 || from == to) {
             break;
         }
         if best.get(edge).is_some_and(|(known, _)| *known < so_far) {

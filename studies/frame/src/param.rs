@@ -213,8 +213,9 @@ pub fn seeds(text: &str) -> Result<Vec<Seed>, UsageError> {
 /// All combinations of the values, the last key's varying fastest.
 pub fn grid(params: &[Param]) -> Vec<Vec<Setting>> {
     params.iter().fold(vec![Vec::new()], |points, param| {
-        let with =
-            |point: &Vec<Setting>, setting: &Setting| [&point[..], &[setting.clone()]].concat();
+        let with = |point: &Vec<Setting>, setting: &Setting| {
+            [&point[..], std::slice::from_ref(setting)].concat()
+        };
         let all = |point| param.settings.iter().map(move |setting| with(point, setting));
         points.iter().flat_map(all).collect()
     })

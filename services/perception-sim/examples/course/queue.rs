@@ -20,7 +20,7 @@ use super::oracle::Oracle;
 /// Gap at which a drive ends, m.
 const ENDS_M: f64 = 12.0;
 /// Half of the radar's field of view, rad, and its range, m.
-const HALF_VIEW_RAD: f64 = 0.5236;
+const HALF_VIEW_RAD: f64 = std::f64::consts::FRAC_PI_6;
 const RANGE_M: f64 = 150.0;
 /// Probability from which something is decided.
 const SURE: f64 = 0.95;

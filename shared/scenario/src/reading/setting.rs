@@ -121,8 +121,11 @@ pub fn option_value(option: &str, text: &str) -> Result<Value, ScenarioError> {
     value_of(text).map_err(|why| why.in_option(option, text, 0))
 }
 
+/// Steps of a path with their places in the text.
+type Steps<'a> = Vec<(&'a str, Range<usize>)>;
+
 /// Names of the path in `KEY=VALUE` with their places, and the start of the value.
-pub(super) fn split(argument: &str) -> Result<(Vec<(&str, Range<usize>)>, usize), Misread> {
+pub(super) fn split(argument: &str) -> Result<(Steps<'_>, usize), Misread> {
     let Some(equals) = argument.find('=') else {
         let expected = "KEY=VALUE, for example plant.period_ms=5";
         return Err(Misread::new(0..argument.len(), "no `=`", expected));
