@@ -44,6 +44,13 @@ fn sumos(parent_words: &str) -> Vec<i32> {
     pids.filter(is_ours).collect()
 }
 
+/// Times that a process has waited.
+fn waits(pid: i32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"));
+    line.and_then(|line| line.trim().parse().ok()).unwrap_or(0)
+}
+
 /// A copy of the example, so that its processes are this test's.
 fn own_grid(corner: &Corner) -> String {
     for file in ["grid.net.xml", "grid.rou.xml", "grid.sumocfg"] {
@@ -103,9 +110,11 @@ fn a_program_that_ends_or_hangs_is_one_line_and_leaves_nothing() {
         let child = with_sumo(&corner, &[&usual[..], mode, &deadline].concat()).spawn();
         let child = child.expect("it starts");
         assert!(wait_for(|| !sumos(&words).is_empty()), "SUMO runs");
-        // A drive of a while, so that it is in the middle of it.
         assert!(wait_for(|| corner.path().join("k/scenario.toml").exists()), "it drives");
-        std::thread::sleep(std::time::Duration::from_millis(1500));
+        // It waits for each step: after twenty it is in the middle of the drive.
+        let begun: u64 = sumos(&words).into_iter().map(waits).sum();
+        let drives = || sumos(&words).into_iter().map(waits).sum::<u64>() >= begun + 20;
+        assert!(wait_for(drives), "it is stepped");
         for pid in sumos(&words) {
             let _ = Command::new("kill").args([format!("-{signal}"), pid.to_string()]).status();
         }

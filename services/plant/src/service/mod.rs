@@ -37,7 +37,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     }
     runtime.run_cycles(|runtime| plant.cycle(runtime))?;
     if let Some(note) = plant.ego.unit().and_then(UnitCar::note) {
-        eprintln!("{note}");
+        // The launcher reads it in front of the report, and prints it.
+        println!("{note}");
     }
     let report = plant.report();
     runtime.finish(report)
