@@ -8,7 +8,7 @@ use supervise::Error;
 
 #[derive(Debug, Args)]
 pub struct BridgeArguments {
-    /// Viewer and port: foxglove[:PORT]
+    /// Viewer and port: foxglove or foxglove:PORT
     pub viewer: String,
     /// Results directory of a run in progress, a recording, or `latest` for the newest results below `runs`
     #[arg(long, value_name = "DIR", default_value = "latest")]

@@ -58,7 +58,7 @@ pub struct RunArguments {
     /// Do not record the topics
     #[arg(long)]
     pub no_record: bool,
-    /// Show the run live to viewers on this machine: foxglove[:PORT]
+    /// Show the run live to viewers on this machine: foxglove or foxglove:PORT
     #[arg(long, value_name = "VIEWER")]
     pub bridge: Option<String>,
 }
