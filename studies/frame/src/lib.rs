@@ -65,7 +65,7 @@
 //!         self.seeds
 //!     }
 //!     fn job(&self, run: usize) -> Result<Job, Error> {
-//!         let seed = Some((run + 1).to_string());
+//!         let seed = Some((run as i64 + 1).into());
 //!         let options = ScenarioOptions { seed, ..ScenarioOptions::default() };
 //!         Ok(Job::lockstep(supervise::open("following", &options)?))
 //!     }

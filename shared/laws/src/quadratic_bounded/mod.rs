@@ -44,7 +44,7 @@
 //! likewise, on both sides. Outside the ellipsoid nothing is proven (V > 1: for example a stopped car ahead at speed).
 //! The same holds outside the speeds and the lead's accelerations of the design. The law then reports so and hands over
 //! to its fall-back, an explicit follower with brakes of its own (`envelope`). The output's quality is then
-//! [`FallBack`](law::Quality::FallBack), the degradation level `outside-envelope`.
+//! [`FallBack`](::law::Quality::FallBack), the degradation level `outside-envelope`.
 //!
 //! The increments are computed every Ts, whatever the control period: shorter periods hold the request in between. A
 //! period that does not divide Ts delays single updates but keeps their mean rate. A longer one runs one update per

@@ -159,7 +159,7 @@ impl Link {
     /// and the launcher replaces it.
     ///
     /// # Errors
-    /// [`RuntimeError::Link`].
+    /// [`RuntimeError::Setup`].
     pub fn open() -> Result<Self, RuntimeError> {
         let end = End::default();
         let joined = Arc::new(AtomicBool::new(false));
@@ -236,7 +236,7 @@ impl Link {
     /// Sends the launcher a message.
     ///
     /// # Errors
-    /// [`RuntimeError::Link`] if the launcher is gone.
+    /// [`RuntimeError::Setup`] if the launcher is gone.
     pub fn send(&self, message: FromService) -> Result<(), RuntimeError> {
         if let Way::Memory(desk, _) = &self.way {
             desk.said.borrow_mut().push_back(message);
