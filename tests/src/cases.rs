@@ -106,5 +106,5 @@ pub fn program(name: &str) -> Needed {
 /// # Errors
 /// The reason: no Python, no pip or no network.
 pub fn python(directory: &Path) -> Needed {
-    crate::python::interpreter(directory).map(|_| ())
+    crate::python::INTEROP.interpreter(directory).map(|_| ())
 }

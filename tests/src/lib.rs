@@ -169,6 +169,14 @@ impl Drop for Corner {
     }
 }
 
+/// A number in the status of a process, in the unit that the kernel has; `None` without the process or the field.
+pub fn status_of(pid: i32, field: &str) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
+    let of = |line: &str| line.strip_prefix(field)?.strip_prefix(':').map(str::to_owned);
+    let value = status.lines().find_map(of)?;
+    value.split_whitespace().next()?.parse().ok()
+}
+
 /// Polls `condition` until it holds; false after [`PATIENCE`].
 pub fn wait_for(mut condition: impl FnMut() -> bool) -> bool {
     let begun = Instant::now();

@@ -6,103 +6,74 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-/// Packages from PyPI.
-const PACKAGES: [&str; 7] = [
-    "autosar-e2e==1.0.0",
-    "iceoryx2==0.10.0",
-    "mcap==1.6.0",
-    "mcap-ros2-support==0.6.0",
-    "pandas==3.1.1",
-    "pyarrow==26.0.1",
-    "rosbags==0.11.9",
-];
-
-/// Packages that run a notebook.
-const NOTEBOOK_PACKAGES: [&str; 2] = ["ipykernel==6.29.5", "nbclient==0.10.2"];
-/// Packages that write units of FMI, and a master that validates and runs them.
-const FMI_PACKAGES: [&str; 3] = ["fmpy==0.3.32", "pythonfmu==0.7.0", "pythonfmu3==0.3.4"];
-/// Packages that read Perfetto's traces.
-const TRACE_PACKAGES: [&str; 2] = ["perfetto", "protobuf"];
-
-/// Packages that speak DDS.
-const DDS_PACKAGES: [&str; 1] = ["cyclonedds==11.0.1"];
-/// Packages that speak Foxglove's protocol.
-const BRIDGE_PACKAGES: [&str; 2] = ["mcap-ros2-support==0.6.0", "websockets==17.4"];
-
-/// The interpreter of a virtual environment below `directory` that speaks with a bridge, created at the first call.
-///
-/// # Errors
-/// The reason: no Python, no pip or no network.
-pub fn bridge_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
-    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
-    FOUND.get_or_init(|| prepare(&directory.join("bridge-venv"), &BRIDGE_PACKAGES)).clone()
+/// A virtual environment of Python with packages from PyPI.
+#[derive(Debug)]
+pub struct Environment {
+    name: &'static str,
+    packages: &'static [&'static str],
+    /// It needs Python's shared library.
+    is_shared: bool,
+    found: OnceLock<Result<PathBuf, Missing>>,
 }
 
-/// The interpreter of a virtual environment below `directory` that speaks DDS, created at the first call.
-///
-/// # Errors
-/// The reason: no Python, no pip or no network.
-pub fn dds_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
-    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
-    FOUND.get_or_init(|| prepare(&directory.join("dds-venv"), &DDS_PACKAGES)).clone()
-}
-
+/// Readers of timegap's files.
+pub static INTEROP: Environment = Environment::new(
+    "interop",
+    &[
+        "autosar-e2e==1.0.0",
+        "iceoryx2==0.10.0",
+        "mcap==1.6.0",
+        "mcap-ros2-support==0.6.0",
+        "pandas==3.1.1",
+        "pyarrow==26.0.1",
+        "rosbags==0.11.9",
+    ],
+);
+/// Programs that run a notebook.
+pub static NOTEBOOK: Environment =
+    Environment::new("notebook", &["ipykernel==6.29.5", "nbclient==0.10.2"]);
+/// Writers of units of FMI, and a master that validates and runs them.
+pub static FMI: Environment = Environment {
+    name: "fmi",
+    packages: &["fmpy==0.3.32", "pythonfmu==0.7.0", "pythonfmu3==0.3.4"],
+    is_shared: true,
+    found: OnceLock::new(),
+};
+/// A reader of Perfetto's traces.
+pub static TRACE: Environment = Environment::new("perfetto", &["perfetto", "protobuf"]);
+/// A speaker of DDS.
+pub static DDS: Environment = Environment::new("dds", &["cyclonedds==11.0.1"]);
+/// A viewer by Foxglove's protocol.
+pub static BRIDGE: Environment =
+    Environment::new("bridge", &["mcap-ros2-support==0.6.0", "websockets==17.4"]);
 /// SUMO, and nothing beside it.
-const SUMO_PACKAGES: [&str; 1] = ["eclipse-sumo==1.28.0"];
+pub static SUMO: Environment = Environment::new("sumo", &["eclipse-sumo==1.28.0"]);
 
-/// The interpreter of a virtual environment below `directory` with SUMO beside it, created at the first call.
-///
-/// # Errors
-/// The reason: no Python, no pip or no network.
-pub fn sumo_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
-    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
-    FOUND.get_or_init(|| prepare(&directory.join("sumo-venv"), &SUMO_PACKAGES)).clone()
-}
+impl Environment {
+    const fn new(name: &'static str, packages: &'static [&'static str]) -> Self {
+        Self { name, packages, is_shared: false, found: OnceLock::new() }
+    }
 
-/// The interpreter of a virtual environment below `directory` that runs notebooks, created at the first call.
-///
-/// # Errors
-/// The reason: no Python, no pip or no network.
-pub fn notebook_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
-    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
-    FOUND.get_or_init(|| prepare(&directory.join("notebook-venv"), &NOTEBOOK_PACKAGES)).clone()
-}
-
-/// The interpreter of a virtual environment below `directory`, created at the first call.
-///
-/// # Errors
-/// The reason: no Python, no pip or no network.
-pub fn interpreter(directory: &Path) -> Result<PathBuf, Missing> {
-    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
-    FOUND.get_or_init(|| prepare(&directory.join("interop-venv"), &PACKAGES)).clone()
-}
-
-/// The interpreter of a virtual environment below `directory` that reads Perfetto's traces, created at the first call.
-///
-/// # Errors
-/// The reason: no Python, no pip or no network.
-pub fn trace_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
-    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
-    FOUND.get_or_init(|| prepare(&directory.join("perfetto-venv"), &TRACE_PACKAGES)).clone()
-}
-
-/// The interpreter of a virtual environment below `directory` with units of FMI, created at the first call.
-///
-/// # Errors
-/// The reason: no Python, no shared library of it, no pip or no network.
-pub fn fmi_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
-    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
-    FOUND
-        .get_or_init(|| {
-            let script = "import os, sysconfig as c\n\
-                          assert os.path.exists(c.get_config_var('LIBDIR') + '/' + c.get_config_var('INSTSONAME'))";
-            let shared = Command::new("python3").args(["-c", script]).output();
-            if !shared.is_ok_and(|output| output.status.success()) {
+    /// Its interpreter, below `directory`; created at the first call.
+    ///
+    /// # Errors
+    /// The reason: no Python, no shared library of it, no pip or no network.
+    pub fn interpreter(&self, directory: &Path) -> Result<PathBuf, Missing> {
+        let create = || {
+            if self.is_shared && !has_shared_library() {
                 return Err(Missing("python3 has no shared library".to_owned()));
             }
-            prepare(&directory.join("fmi-venv"), &FMI_PACKAGES)
-        })
-        .clone()
+            prepare(&directory.join(format!("{}-venv", self.name)), self.packages)
+        };
+        self.found.get_or_init(create).clone()
+    }
+}
+
+fn has_shared_library() -> bool {
+    let script = "import os, sysconfig as c\n\
+                  assert os.path.exists(c.get_config_var('LIBDIR') + '/' + c.get_config_var('INSTSONAME'))";
+    let output = Command::new("python3").args(["-c", script]).output();
+    output.is_ok_and(|output| output.status.success())
 }
 
 /// Test processes run side by side: the first one creates the environment, and the others wait for it.

@@ -12,7 +12,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const VIEWER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python/viewer.py");
 
 fn pypi() -> Needed {
-    python::bridge_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR"))).map(|_| ())
+    python::BRIDGE.interpreter(Path::new(env!("CARGO_TARGET_TMPDIR"))).map(|_| ())
 }
 
 fn always() -> Needed {
@@ -29,7 +29,7 @@ fn port(child: &mut Child) -> u16 {
 /// Starts a viewer, which ends with the bridge.
 fn view(port: u16, fault: &[&str]) -> Child {
     let python =
-        python::bridge_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR"))).expect("looked for");
+        python::BRIDGE.interpreter(Path::new(env!("CARGO_TARGET_TMPDIR"))).expect("looked for");
     let mut command = Command::new(python);
     command.arg(VIEWER).arg(port.to_string()).args(fault);
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts")

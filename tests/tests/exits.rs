@@ -3,7 +3,7 @@
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::process::Child;
-use system_tests::{Corner, text, wait_for};
+use system_tests::{Corner, status_of, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
@@ -28,9 +28,7 @@ fn start(corner: &Corner, more: &[&str]) -> Child {
 
 /// Number of waits of a process: several per step in lockstep.
 fn waits(pid: i32) -> Option<u64> {
-    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"))?;
-    line.trim().parse().ok()
+    status_of(pid, "voluntary_ctxt_switches")
 }
 
 fn finish(child: Child) -> (Option<i32>, Value) {

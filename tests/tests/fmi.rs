@@ -261,7 +261,7 @@ fn an_ego_that_fails_is_replaced() {
 }
 
 fn interpreter() -> Result<PathBuf, Missing> {
-    python::fmi_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+    python::FMI.interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn has_python() -> Needed {

@@ -1,7 +1,7 @@
 //! A realtime run: nothing lost, every chain counted. No test asserts a speed.
 
 use serde_json::Value;
-use system_tests::{Corner, wait_for};
+use system_tests::{Corner, status_of, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
@@ -83,12 +83,7 @@ fn worst_chains_are_whole(timing: &Value) {
 
 /// Memory of process `pid` without pages of files, KiB. The kernel decides how much of the program's file it maps.
 fn own_memory_kib(pid: i32) -> Option<u64> {
-    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
-    let field = |name: &str| -> Option<u64> {
-        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
-        line.trim().trim_end_matches(" kB").parse().ok()
-    };
-    Some(field("RssAnon:")? + field("RssShmem:")?)
+    Some(status_of(pid, "RssAnon")? + status_of(pid, "RssShmem")?)
 }
 
 #[test]

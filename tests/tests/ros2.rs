@@ -23,7 +23,7 @@ ip route add default via 10.77.0.254 dev lan0
 const SENT: &str = "awk '/lan0:/ { print \"sent \" $11 }' /proc/net/dev >&2\n";
 
 fn interpreter() -> Result<PathBuf, system_tests::missing::Missing> {
-    python::dds_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+    python::DDS.interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn needs() -> Needed {

@@ -5,7 +5,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use system_tests::cases::{self, Needed, needing};
-use system_tests::{Corner, python, text, wait_for};
+use system_tests::{Corner, python, status_of, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const GRID: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/sumo/grid.sumocfg");
@@ -15,7 +15,7 @@ fn always() -> Needed {
 }
 
 fn interpreter() -> Result<PathBuf, system_tests::missing::Missing> {
-    python::sumo_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+    python::SUMO.interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn pypi() -> Needed {
@@ -46,9 +46,7 @@ fn sumos(parent_words: &str) -> Vec<i32> {
 
 /// Times that a process has waited.
 fn waits(pid: i32) -> u64 {
-    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"));
-    line.and_then(|line| line.trim().parse().ok()).unwrap_or(0)
+    status_of(pid, "voluntary_ctxt_switches").unwrap_or(0)
 }
 
 /// A copy of the example, so that its processes are this test's.

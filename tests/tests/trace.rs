@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use system_tests::cases::{self, Needed, case, needing};
 use system_tests::missing::Missing;
-use system_tests::python::trace_interpreter;
+use system_tests::python::TRACE;
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
@@ -49,7 +49,7 @@ print(json.dumps({"tracks": list(names.values()), "slices": slices, "flows": lis
 
 /// A Python with PyPI's `perfetto` in a reused virtual environment.
 fn python() -> Result<PathBuf, Missing> {
-    trace_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+    TRACE.interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn perfetto() -> Needed {

@@ -23,7 +23,7 @@ const OK: c_int = 0;
 const ERROR: c_int = 3;
 const FATAL: c_int = 4;
 
-/// What the master lends: its log comes first, its own data last.
+/// Callbacks that the master lends: its log comes first, its own data last.
 #[repr(C)]
 pub struct Callbacks {
     log: Option<Log>,

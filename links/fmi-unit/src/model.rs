@@ -1,4 +1,4 @@
-//! What an exported unit computes: a law, or a law in the loop of a deployment.
+//! The computation of an exported unit: a law, or a law in the loop of a deployment.
 //!
 //! ```text
 //! lead ─► measured each control period ─► law ─► delay, jitter, loss ─► actuator gateway ─► vehicle ─► position, speed

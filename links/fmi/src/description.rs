@@ -53,7 +53,7 @@ pub struct Variable {
     pub measure: Option<(String, Option<Measure>)>,
 }
 
-/// What a unit is.
+/// A unit as its description has it.
 #[derive(Clone, Debug)]
 pub struct Description {
     pub version: Version,

@@ -2,7 +2,7 @@
 //! law's program does.
 //!
 //! The unit is unpacked below the directory for temporary files, which a companion process removes whatever ends this one.
-//! What the unit prints goes to standard error.
+//! Text that the unit prints goes to standard error.
 
 use crate::UnitError;
 use crate::instance::Instance;

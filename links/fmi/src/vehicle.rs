@@ -1,4 +1,4 @@
-//! What the plant exchanges with a vehicle's unit: one question and one answer each period.
+//! Messages between the plant and a vehicle's unit: one question and one answer each period.
 
 use bytemuck::{Pod, Zeroable};
 

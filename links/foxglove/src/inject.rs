@@ -1,4 +1,4 @@
-//! What a viewer may ask of a run: its keys as parameters, and a service that injects faults.
+//! Requests of a viewer to a run: its keys as parameters, and a service that injects faults.
 
 use crate::protocol::{Parameter, advertise_service};
 use crate::subject::Answer;

@@ -67,7 +67,7 @@ fn follow_orders(root: &Path, port: u16) -> Result<(), Error> {
     }
 }
 
-/// What viewers need to know of a run whose time began at `start_ns`.
+/// Metadata for viewers of a run whose time began at `start_ns`.
 fn metadata(group: &Group, scenario: &Scenario, start_ns: i64) -> Metadata {
     let (scheduling, programs) = Default::default();
     let start = Start { start_ns, scheduling, programs, law: law_names(scenario) };

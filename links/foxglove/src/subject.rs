@@ -1,4 +1,4 @@
-//! What viewers are offered, and the line about one that is not served.
+//! The offer to viewers, and the line about one that is not served.
 
 use crate::protocol::{self, Parameter};
 use recorder::Channel;
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Answers a request of the service; an error is for the viewer's user.
 pub type Answer = Box<dyn Fn(&[u8]) -> Result<Vec<u8>, String> + Send + Sync>;
 
-/// What viewers are offered.
+/// The offer to viewers.
 pub struct Subject {
     /// Name of the server.
     pub name: String,

@@ -140,7 +140,7 @@ fn parameters_are_read_and_not_set_and_a_service_answers() {
     viewer.ask(&json!({ "op": "setParameters", "parameters": set, "id": "8" }));
     assert_eq!(viewer.text()["op"], "status");
     assert_eq!(viewer.text()["parameters"][1]["value"], "text");
-    // What this server does not know is passed over.
+    // This server passes over texts that it does not know.
     viewer.ask(&json!({ "op": "subscribeConnectionGraph" }));
     let mut call = |service: u32, encoding: &str, request: &str| {
         let head = [service, 3, encoding.len() as u32].map(u32::to_le_bytes).concat();

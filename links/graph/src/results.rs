@@ -113,7 +113,7 @@ pub struct TopicRow {
     /// Length of a message, with header and stamps.
     pub bytes: usize,
     pub sent: u64,
-    /// Of all readers together.
+    /// Sum over all readers.
     pub received: u64,
     /// Messages that newer ones replaced before a cycle used them.
     pub unused: u64,

@@ -95,7 +95,7 @@ impl Plan {
         Self(phases.map_or(&[][..], Value::parts).iter().map(phase).collect())
     }
 
-    /// What a movement shows in a state of `time_s` of the run, and what follows. SUMO's time is ahead by `ahead_s`.
+    /// Phase of a movement in a state of `time_s` of the run, and what follows. SUMO's time is ahead by `ahead_s`.
     pub fn now(&self, state: &State, link: usize, time_s: f64, ahead_s: f64) -> LightNow {
         let Some(letter) = state.letters.as_bytes().get(link) else { return LightNow::default() };
         let colour = Colour::of(*letter);

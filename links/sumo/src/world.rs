@@ -263,11 +263,13 @@ impl World {
         if !step.states.is_empty() {
             self.states = step.states;
         }
+        let ego = self.axis.pose(self.place_m).placed(&self.route.start);
+        let away_m = |[x_m, y_m]: [f64; 2]| libm::hypot(x_m - ego.x_m, y_m - ego.y_m);
         let mut near: Vec<(f64, Vehicle)> = step
             .vehicles
             .into_iter()
             .filter(|v| v.id != self.ego)
-            .map(|vehicle| (self.distance_m(&vehicle), vehicle))
+            .map(|vehicle| (away_m(vehicle.front_m), vehicle))
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.id.cmp(&b.1.id)));
         let mut found: Vec<(String, Body)> = Vec::with_capacity(self.most);
@@ -285,7 +287,7 @@ impl World {
                 None => *body = Body::default(),
             }
         }
-        // `swap_remove` moves the rest about: the nearest first again.
+        // `swap_remove` moves the rest about: new ones come in the order of their names.
         found.sort_by(|a, b| a.0.cmp(&b.0));
         let mut free = self.slots.iter_mut().filter(|(_, body)| !body.present);
         for new in found {
@@ -294,12 +296,6 @@ impl World {
             }
         }
         Ok(())
-    }
-
-    /// Distance of a vehicle to the ego's place, m.
-    fn distance_m(&self, vehicle: &Vehicle) -> f64 {
-        let ego = self.axis.pose(self.place_m).placed(&self.route.start);
-        libm::hypot(vehicle.front_m[0] - ego.x_m, vehicle.front_m[1] - ego.y_m)
     }
 
     /// A vehicle by the axis; `None` far beside it.

@@ -47,5 +47,4 @@ pub mod sampling;
 mod service;
 
 pub use ::law;
-pub use ::law::{following, settings};
 pub use service::{last_law_times, run, run_asked, run_law, serve};

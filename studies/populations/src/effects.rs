@@ -3,7 +3,7 @@
 //! A table of a law is a table of the scenario. Numbers that laws share can be replaced once in a process, so each of
 //! their values is driven by a process of its own: this command again.
 
-use controller::following::parameters::FOLLOWING;
+use controller::law::following::parameters::FOLLOWING;
 use controller::laws;
 use controller::plausibility::radar::LIMITS;
 use frame::batch;

@@ -95,7 +95,7 @@ pub fn the_notebook_runs_as_it_is() {
 }
 
 fn notebook_interpreter() -> Result<std::path::PathBuf, system_tests::missing::Missing> {
-    python::notebook_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+    python::NOTEBOOK.interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 pub fn notebooks() -> cases::Needed {

@@ -17,7 +17,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const SCRIPTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python");
 
 fn interpreter() -> Result<PathBuf, Missing> {
-    python::interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+    python::INTEROP.interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn pypi() -> Needed {

@@ -1,4 +1,4 @@
-//! What a change brings for the user's loop, measured by trying it: blocks with and without it take turns.
+//! The effect of a change on the user's loop, measured by trying it: blocks with and without it take turns.
 //!
 //! A change that this process may not make is left out: its finding has the command. So is one that would outlive a
 //! killed process, such as a frequency governor. The kernel takes back the others with the process.

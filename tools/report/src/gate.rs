@@ -141,7 +141,7 @@ struct Earlier {
     samples: Vec<Sample>,
 }
 
-/// What changed since a baseline.
+/// Changes since a baseline.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Against {
     /// File of the baseline.

@@ -14,9 +14,9 @@
 //! * `d(b)` for the braking that was seen, and a share that the lead may still have added.
 
 use super::lead::LastSeen;
-use crate::following::parameters::FOLLOWING;
-use crate::following::safe_gap::LeadNow;
 use crate::law::Ego;
+use crate::law::following::parameters::FOLLOWING;
+use crate::law::following::safe_gap::LeadNow;
 
 /// Comfortable braking, m/s².
 pub(super) const COMFORTABLE_MPS2: f64 = 2.0;

@@ -12,7 +12,7 @@
 //! A tracker can lose a lead to a false detection. It then begins a new track at the lead's true place. The new track
 //! shows itself by its past: two vehicles were never at one place. See [`LeadMemory::was_at_the_place_of`].
 
-use crate::following::safe_gap::LeadNow;
+use crate::law::following::safe_gap::LeadNow;
 use crate::law::{Ego, Input, Target};
 use messages::Track;
 

@@ -81,7 +81,7 @@ fn scene(seed: u64, in_lane: bool) -> Scene {
     Scene { road, scenario, speed_mps, end_m }
 }
 
-/// What a drive showed of the queue's last vehicle.
+/// Findings of a drive about the queue's last vehicle.
 #[derive(Default)]
 struct Seen {
     /// Time since sight, s, and gap, m, at which it was held for in the lane.

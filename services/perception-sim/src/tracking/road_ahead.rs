@@ -235,7 +235,7 @@ impl RoadAhead {
         Some(belief.in_way(belief.course().place(gap_m, d_m), sigma_m, width_m))
     }
 
-    /// What stands at a place of the course is beside the ego's way.
+    /// True if a thing that stands at a place of the course is beside the ego's way.
     #[must_use]
     pub fn is_aside(&self, place: (f64, f64), sigma_m: f64, numbers: &Numbers) -> bool {
         let off_m = place.1.abs() - numbers.standing_half_width_m;

@@ -34,7 +34,7 @@ impl Site {
                 let (x_m, y_m) = point(from_m + f64::from(index) * step_m);
                 let to_cm = |to_m: f64| (100.0 * to_m).round() as i16;
                 let cm = (to_cm(x_m - last.0), to_cm(y_m - last.1));
-                // What rounding left is made up for by the next node.
+                // The next node makes up for the rest of rounding.
                 last = (last.0 + f64::from(cm.0) / 100.0, last.1 + f64::from(cm.1) / 100.0);
                 earth_node(plane, cm.0, cm.1)
             };

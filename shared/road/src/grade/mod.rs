@@ -38,7 +38,7 @@ pub struct Point {
 pub struct ProfileError {
     /// Index of the offending point.
     pub index: usize,
-    /// What is wrong with it.
+    /// Its fault.
     pub fault: ProfileFault,
 }
 

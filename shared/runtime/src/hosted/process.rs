@@ -27,7 +27,7 @@ const LAST_WORDS: usize = 3;
 /// Program to host.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// What it computes, in a word: `law`.
+    /// The part that it computes, in a word: `law`.
     pub part: &'static str,
     /// Its name and its arguments.
     pub command: Vec<String>,

@@ -2,7 +2,7 @@
 //! `acc-signal-stop`.
 
 use crate::scene::fixed;
-use controller::following::driver::{Driver, Obstacle};
+use controller::law::following::driver::{Driver, Obstacle};
 use controller::laws::signal_stop::SignalStop;
 use scenario::{Table, Value, table};
 use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! What stands beside the road or on it, in the plane of dead reckoning.
+//! Standing things beside the road or on it, in the plane of dead reckoning.
 //!
 //! A standing object is met in many scans. Its echoes are gathered into one landmark, whose place is their mean. So an
 //! object counts once, however often it is seen.

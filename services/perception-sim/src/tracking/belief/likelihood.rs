@@ -93,7 +93,7 @@ pub const WAY: usize = 4;
 /// Pairs of trail places.
 const PAIRS: usize = 16;
 
-/// What is known, in one frame.
+/// Evidence in one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence {
     marks: [Mark; MARKS],

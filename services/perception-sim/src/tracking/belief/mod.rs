@@ -3,7 +3,7 @@
 //! No hypothesis is chosen. Queries are means over all of them: the course, how exactly it is known, and the
 //! probability that an object is in the ego's way.
 //!
-//! What stands is gathered as [`landmarks`] in the plane of dead reckoning. A round of six scans works on a copy of
+//! Standing things are gathered as [`landmarks`] in the plane of dead reckoning. A round of six scans works on a copy of
 //! them, the evidence:
 //!
 //! ```text

@@ -24,7 +24,7 @@ const SCALES: [f64; 4] = [0.2, 0.6, 1.5, 4.0];
 const REDRAWN: f64 = 0.1;
 const DIFFERENT: f64 = 0.8;
 
-/// What a step changes.
+/// Change of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
     /// Some numbers a little: prior and likelihood decide.
