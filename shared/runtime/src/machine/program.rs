@@ -92,7 +92,7 @@ pub fn executable(command: &[String], directory: &Path) -> Result<PathBuf, Progr
         path.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
     };
     // A unit of the Functional Mock-up Interface is run by a process of timegap's own.
-    let is_unit = name.to_ascii_lowercase().ends_with(".fmu");
+    let is_unit = fmi::is_unit(name);
     if is_unit || name.contains('/') {
         let path = directory.join(name);
         return match path.metadata() {

@@ -260,7 +260,7 @@ fn laws(scenario: &Scenario) -> Result<(), Problem> {
         refuse!(if law.caller && !(law.env.is_empty() && law.arguments.is_empty()),
             "laws.{name}": "the law `{name}` is not a program of its own",
             "env and arguments with a command alone");
-        let is_unit = law.command.first().is_some_and(|name| name.ends_with(".fmu"));
+        let is_unit = law.command.first().is_some_and(|name| fmi::is_unit(name));
         refuse!(if !law.map.is_empty() && !is_unit, "laws.{name}.map":
             "the law `{name}` is not a unit, which has variables", "a command of a unit (.fmu)");
         let is_variable = |key: &str| !key.is_empty() && !key.contains(['=', '\0']);
