@@ -78,7 +78,7 @@ impl Copy {
 
     /// Runs a command of the copy, built just before.
     fn timegap(&self, arguments: &[&str]) -> Output {
-        self.cargo(&["build", "--bin", "timegap"]);
+        self.cargo(&["build", "-p", "timegap", "--features", "studies", "--bin", "timegap"]);
         let folder = if self.profile == "dev" { "debug" } else { &self.profile };
         let output = Command::new(self.target.join(folder).join("timegap"))
             .args(arguments)

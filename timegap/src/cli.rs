@@ -3,9 +3,9 @@
 use crate::recordings::diff::DiffArguments;
 use crate::recordings::export::ExportArguments;
 use crate::recordings::info::InfoArguments;
-use crate::recordings::layouts::LayoutsArguments;
 use crate::recordings::recover::RecoverArguments;
 use crate::recordings::replay::ReplayArguments;
+use crate::studies;
 use crate::trace::TraceArguments;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -40,51 +40,39 @@ pub enum Command {
     /// Run a scenario's roadside units for vehicles on other hosts
     Rsu(crate::rsu::RsuArguments),
     /// Drive scenarios with several controllers and compare them
-    Compare(frame::Command<grid::compare::CompareArguments>),
+    Compare(studies::Compare),
     /// Drive a scenario for several values of its keys, and show the figures as functions of them
-    Sweep(frame::Command<grid::sweep::SweepArguments>),
+    Sweep(studies::Sweep),
     /// Drive a string of cars and print how it amplifies speed changes
-    String(frame::Command<string::StringArguments>),
+    String(studies::String),
     /// Search the scenes and faults that break a requirement
-    Search(Box<frame::Command<search::SearchArguments>>),
+    Search(studies::Search),
     /// Drive many seeded runs with faults and give one verdict
-    Campaign(frame::Command<campaign::CampaignArguments>),
+    Campaign(studies::Campaign),
     /// Drive a standard's tests, or a population of random scenes, and judge them
-    #[command(subcommand)]
-    Test(TestCommand),
+    Test(studies::Test),
     /// Run a paper's scenarios and compare the results with its published figures
-    Papers(frame::Command<papers::ReproduceArguments>),
+    Papers(studies::Papers),
     /// Join the parts of a study
-    Merge(frame::MergeArguments),
+    Merge(studies::Merge),
     /// Go on with a study that was interrupted
-    Resume(frame::ResumeArguments),
+    Resume(studies::Resume),
     /// Show, repair, export, replay or compare recordings
     #[command(subcommand)]
     Recording(RecordingCommand),
     /// Measure latency, jitter and deadline misses against the machine's own floor
-    Bench(bench::BenchArguments),
+    Bench(studies::Bench),
     /// Check this machine for real time, and print commands that improve it
     Doctor(doctor::DoctorArguments),
     /// Write a law as a unit of FMI 2.0, alone or in the loop of a deployment
-    ExportFmu(fmi_unit::ExportArguments),
+    ExportFmu(studies::ExportFmu),
     /// List scenarios, controllers, campaigns and tests
-    List(crate::list::ListArguments),
+    List(studies::List),
     /// Print schemas, layouts, references, completions or the man page
-    #[command(subcommand)]
-    Print(PrintCommand),
+    Print(studies::Print),
     /// Run one service; used by the launcher
     #[command(hide = true)]
     Service(crate::service::ServiceArguments),
-}
-
-#[derive(Debug, Subcommand)]
-pub enum TestCommand {
-    /// UN R157's cut-in, following and cut-out scenarios, with our controllers and its models
-    R157(frame::Command<standards::r157::R157Arguments>),
-    /// ISO 15622's tests of adaptive cruise control
-    Iso15622(frame::Command<standards::iso15622::Iso15622Arguments>),
-    #[command(flatten)]
-    Population(populations::PopulationCommand),
 }
 
 #[derive(Debug, Subcommand)]
@@ -103,16 +91,6 @@ pub enum RecordingCommand {
     Trace(TraceArguments),
     /// Show a recorded motion of a vehicle as a scenario reads it
     Lead(crate::lead::LeadArguments),
-}
-
-#[derive(Debug, Subcommand)]
-pub enum PrintCommand {
-    /// JSON Schema of the scenario file, for editors, or of all results that `--json` prints
-    Schema(crate::list::SchemaArguments),
-    /// The messages' layouts for Python or C
-    Layouts(LayoutsArguments),
-    #[command(flatten)]
-    Generated(crate::list::Generated),
 }
 
 /// Commands by what they are for, as `--help` shows them.
@@ -194,11 +172,15 @@ fn groups(command: &clap::Command) -> String {
 
 impl Cli {
     /// Reads the command line. Help and errors end the process, in clap's words.
-    pub fn read() -> Self {
+    pub fn read() -> Result<Self, supervise::Error> {
         let (words, note) = renamed(std::env::args_os().collect());
         let (words, of_option) = with_new_options(words);
         note.iter().chain(&of_option).for_each(|note| eprintln!("{note}"));
-        Self::of(words).unwrap_or_else(|error| explain(error).exit())
+        #[cfg(not(feature = "studies"))]
+        if words.get(1).is_some_and(|word| studies::ELSEWHERE.iter().any(|one| word == one)) {
+            return Err(studies::hand_over(&words));
+        }
+        Ok(Self::of(words).unwrap_or_else(|error| explain(error).exit()))
     }
 
     /// A word such as `-1` is a value. It is refused as the value of its option, not as an option.
@@ -285,7 +267,7 @@ fn nearest(given: &str) -> Vec<String> {
     near.map(|(_, whole)| whole).collect()
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "studies"))]
 mod tests {
     use super::*;
 

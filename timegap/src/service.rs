@@ -1,5 +1,6 @@
 //! `timegap service`: runs one of the group's processes.
 
+use crate::studies;
 use clap::Args;
 use messages::Service;
 use runtime::run_service;
@@ -38,12 +39,13 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         argument.to_str().map(str::to_owned).ok_or_else(not_text)
     };
     let texts = arguments.arguments.iter().map(text).collect::<Result<Vec<_>, _>>()?;
+    let words: Vec<&str> = texts.iter().map(String::as_str).collect();
+    if let Some(done) = studies::serve(&arguments.name, &words) {
+        return done;
+    }
     let expected = match (arguments.name.as_str(), texts.as_slice()) {
         ("fmu", texts) => return Ok(fmi::run(texts)),
-        ("unit", [resources]) => return Ok(fmi_unit::serve(Path::new(resources))),
         ("janitor", [root]) => return Ok(supervise::run_janitor(Path::new(root))),
-        ("bench", [root, job]) => return bench::run_peer(Path::new(root), job),
-        ("node", [root, node, number]) => return graph::run_node(Path::new(root), node, number),
         ("hog", [_, what, number]) if number.parse::<usize>().is_ok() => {
             return Ok(supervise::run_hog(what, number.parse().expect("checked")));
         }

@@ -3,7 +3,6 @@
 pub mod diff;
 pub mod export;
 pub mod info;
-pub mod layouts;
 pub mod recover;
 pub mod replay;
 mod sheet;

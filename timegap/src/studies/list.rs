@@ -1,6 +1,6 @@
 //! `timegap list`: scenarios, controllers and campaigns; `timegap print`: what accompanies the command.
 
-use crate::reference;
+use super::reference;
 use clap::{Args, Command, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use controller::law::{Descriptor, Formulation};

@@ -1,0 +1,108 @@
+//! What this program does not know is in `timegap-studies`, beside it.
+
+use crate::cli::Command;
+use std::ffi::OsString;
+use std::os::unix::process::CommandExt;
+use std::path::Path;
+use std::process::{self, ExitCode};
+use supervise::{Error, UsageError};
+
+/// The words behind a word of the other program, which reads them.
+#[derive(Debug, clap::Args)]
+pub struct Words {
+    words: Vec<OsString>,
+}
+
+pub type Compare = Words;
+pub type Sweep = Words;
+pub type String = Words;
+pub type Search = Words;
+pub type Campaign = Words;
+pub type Test = Words;
+pub type Papers = Words;
+pub type Merge = Words;
+pub type Resume = Words;
+pub type Bench = Words;
+pub type ExportFmu = Words;
+pub type List = Words;
+pub type Print = Words;
+
+/// Words that only the other program knows.
+pub const ELSEWHERE: [&str; 13] = [
+    "compare",
+    "sweep",
+    "string",
+    "search",
+    "campaign",
+    "test",
+    "papers",
+    "merge",
+    "resume",
+    "bench",
+    "export-fmu",
+    "list",
+    "print",
+];
+
+/// Goes on as the program that knows the word. It returns only where that cannot be.
+pub fn hand_over(words: &[OsString]) -> Error {
+    let word = words.get(1).map(|word| word.display().to_string()).unwrap_or_default();
+    let own = match std::env::current_exe() {
+        Ok(own) => own,
+        Err(reason) => return Error::path("find", Path::new("this program"))(reason),
+    };
+    let other = own.with_file_name("timegap-studies");
+    // `cargo run` has built this program alone.
+    if std::env::var_os("CARGO_MANIFEST_DIR").is_some_and(|it| it == env!("CARGO_MANIFEST_DIR"))
+        && let Err(why) = build(&own, !other.exists())
+    {
+        return UsageError::at(format_args!("timegap {word}"), why, "a build without errors")
+            .into();
+    }
+    let reason = process::Command::new(&other).arg0(&words[0]).args(&words[1..]).exec();
+    if reason.kind() != std::io::ErrorKind::NotFound {
+        return Error::path("start", &other)(reason);
+    }
+    UsageError::at(
+        format_args!("timegap {word}"),
+        format_args!("it is in another program, and {} is not there", other.display()),
+        "one program with all: `cargo install --path timegap --locked --features studies --bin timegap`",
+    )
+    .into()
+}
+
+/// Builds the other program beside this one, as `cargo run` built this one.
+fn build(own: &Path, is_first: bool) -> Result<(), std::string::String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let place: Vec<&Path> = own.ancestors().skip(1).take(2).collect();
+    let [profile, target] = place[..] else { return Err("it is not in cargo's directory".into()) };
+    let profile = match profile.file_name().and_then(|name| name.to_str()) {
+        Some("debug") | None => "dev",
+        Some(name) => name,
+    };
+    if is_first {
+        eprintln!("note: cargo builds timegap-studies, which has this command");
+    }
+    let mut command = process::Command::new(cargo);
+    command.args(["build", "--locked", "--package", "timegap", "--bin", "timegap-studies"]);
+    command.args(["--features", "studies", "--profile", profile, "--target-dir"]).arg(target);
+    command.arg("--manifest-path").arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"));
+    if !is_first {
+        command.arg("--quiet");
+    }
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("cargo could not build timegap-studies: {status}")),
+        Err(reason) => Err(format!("cargo does not start: {reason}")),
+    }
+}
+
+/// Never called: the other program reads these words.
+pub fn run(command: Command) -> Result<ExitCode, Error> {
+    unreachable!("{command:?} was handed over")
+}
+
+/// The processes that only studies and the bench start. This program has none.
+pub fn serve(_: &str, _: &[&str]) -> Option<Result<ExitCode, Error>> {
+    None
+}
