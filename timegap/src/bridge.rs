@@ -20,21 +20,21 @@ pub struct BridgeArguments {
 
 /// Serves a run in progress or a recording until its end.
 pub fn run(BridgeArguments { viewer, run, speed }: &BridgeArguments) -> Result<ExitCode, Error> {
-    #[cfg(feature = "bridge")]
+    #[cfg(feature = "foxglove")]
     return foxglove_bridge::serve(viewer, run, *speed);
-    #[cfg(not(feature = "bridge"))]
+    #[cfg(not(feature = "foxglove"))]
     return Err(refusal(format_args!("{viewer} {} {speed}", run.display())));
 }
 
 /// Address of `--bridge` in the form that the bridge's process takes.
 pub fn address(viewer: &str) -> Result<OsString, Error> {
-    #[cfg(feature = "bridge")]
+    #[cfg(feature = "foxglove")]
     return Ok(foxglove_bridge::port("--bridge", viewer)?.to_string().into());
-    #[cfg(not(feature = "bridge"))]
+    #[cfg(not(feature = "foxglove"))]
     return Err(refusal(viewer));
 }
 
-#[cfg(not(feature = "bridge"))]
+#[cfg(not(feature = "foxglove"))]
 fn refusal(asked: impl std::fmt::Display) -> Error {
     let expected = "a program that was built with `--features bridge`";
     supervise::UsageError::at(asked, "this one has no bridge", expected).into()

@@ -23,7 +23,7 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     if arguments.name == "recorder" {
         return Ok(recorder::run(&arguments.arguments));
     }
-    #[cfg(feature = "bridge")]
+    #[cfg(feature = "foxglove")]
     if arguments.name == "bridge" {
         return Ok(foxglove_bridge::run(&arguments.arguments));
     }
