@@ -5,6 +5,7 @@ pub mod cases;
 pub mod fuzz;
 pub mod missing;
 pub mod python;
+pub mod schema;
 pub mod storyboards;
 
 use serde_json::Value;

@@ -232,6 +232,10 @@ fn a_law_that_got_worse_fails_the_gate_and_an_equal_one_passes() {
     assert_eq!(worse.status.code(), Some(1), "{}", text(&worse));
     let junit = std::fs::read_to_string(corner.path().join("gate.xml")).expect("it was written");
     assert!(junit.contains("<failure"), "{junit}");
+    let result = std::fs::read(corner.path().join("worse/compare.json")).expect("it was written");
+    let result = serde_json::from_slice(&result).expect("JSON");
+    let schema = &corner.schemas()["compare"];
+    assert_eq!(system_tests::schema::check(schema, &result), [""; 0], "with a baseline too");
     let missing = compare(&["--against", "nowhere.json", "--out", "missing"]);
     assert_eq!(missing.status.code(), Some(2));
     assert!(text(&missing).contains("--against nowhere.json"), "{}", text(&missing));

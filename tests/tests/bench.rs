@@ -38,7 +38,7 @@ fn a_quick_bench_prints_all_its_figures() {
     let missed = rows(&report, "goals").iter().any(|goal| goal["verdict"] == "missed");
     assert_eq!(output.status.code(), Some(i32::from(missed)), "a missed goal is status 1");
     assert_eq!(report["schema_version"], 1);
-    assert_eq!(report::results::check(&corner.schemas()["bench"], &report), [""; 0]);
+    assert_eq!(system_tests::schema::check(&corner.schemas()["bench"], &report), [""; 0]);
     let cores = report["host"]["cpus"].as_u64().expect("counted");
     let refused = !rows(&report, "refused").is_empty();
 

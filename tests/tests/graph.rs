@@ -66,7 +66,7 @@ fn a_graph_with_faults_is_measured_to_its_end_and_leaves_nothing() {
     let corner = Corner::new(PROGRAM);
     let (status, report, said) = run(&corner, &format!("{GRAPH}{FAULTS}"), "2");
     assert_eq!(status, Some(0), "{said}");
-    assert_eq!(report::results::check(&corner.schemas()["graph"], &report), [""; 0]);
+    assert_eq!(system_tests::schema::check(&corner.schemas()["graph"], &report), [""; 0]);
     let chains = report["chains"].as_array().expect("two");
     for chain in chains {
         let count = |name: &str| chain[name]["count"].as_u64().expect("measured");

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use report::results::check;
 use serde_json::Value;
+use system_tests::schema::check;
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");

@@ -94,5 +94,5 @@ mod study;
 pub use batch::laws::DriveOptions;
 pub use study::{
     Command, Crew, Entry, Found, MergeArguments, Needs, Recorded, ResumeArguments, RunOptions,
-    Study, merge, ok, resume, run,
+    Study, merge, resume, run,
 };

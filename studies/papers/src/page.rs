@@ -219,7 +219,6 @@ mod tests {
         assert!(text.contains("0 of 1") && text.contains("OUTSIDE"), "{text}");
         assert!(document.junit().contains("<failure"), "{}", document.junit());
         assert!(document.markdown().contains("OUTSIDE"), "{}", document.markdown());
-        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
     }
 
     #[test]
@@ -238,6 +237,5 @@ mod tests {
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(text.contains("joint weights") && text.contains("≤ −123.00"), "{text}");
         assert!(document.page().contains("34.5 m"), "the page names the inferred value");
-        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
     }
 }

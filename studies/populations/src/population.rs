@@ -27,7 +27,6 @@ pub trait Population: Sized + Sync {
     /// Name, as given on the command line.
     const NAME: &'static str;
     const TITLE: &'static str;
-    const OK: &'static str;
     /// Scenes where nothing else is asked for.
     const NUMBERS: usize;
     /// Names of the keys that a drive has beside its number and law.

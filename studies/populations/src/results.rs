@@ -2,11 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use report::results::{
-    Column, Document, Format, Kind, Schema, Table, column, count, flag, nested, number, word,
-};
+use report::results::{Column, Document, Format, Schema, Table, column, flag, number, word};
 use report::verdicts::{LEAST, Least, least};
 use scenario::Scenario;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use supervise::Error;
@@ -59,21 +58,24 @@ const FAILURES: &[Column<Failure>] = &[
     column("repeat", "", "", Format::Command, "Command that repeats the drive"),
 ];
 
-/// Fields of the JSON that all populations have.
-fn fields<P: Population>() -> Vec<Column<()>> {
-    vec![
-        frame::ok(P::OK),
-        count("scenes", "", "Numbers of scenes that were driven"),
-        count("drives", "", "Drives"),
-        nested("laws", Kind::List, "Laws that drove"),
-    ]
+/// Drives of a population. Its figures and groups stand beside these keys.
+#[derive(Serialize, JsonSchema)]
+struct Head<'a> {
+    schema_version: u32,
+    /// No drive broke what no drive may break, and the limits that decide hold.
+    ok: bool,
+    /// Numbers of scenes that were driven.
+    scenes: usize,
+    drives: usize,
+    /// Laws that drove.
+    laws: &'a [&'a str],
 }
 
 /// Contents of a population's JSON.
 pub fn schema<P: Population>() -> Schema {
     let figures = P::figures();
     let total: Vec<Column<Value>> = figures.iter().map(|figure| figure.column.clone()).collect();
-    let schema = Schema::new(P::NAME, P::TITLE).fields(&fields::<P>()).fields(&total);
+    let schema = Schema::of::<Head<'_>>(P::NAME).fields(&total);
     let groups = P::groups();
     let rows = |schema: Schema, group: &crate::figures::Group<P::Facts>| {
         schema.rows(group.name, group.title, &group.columns())
@@ -135,9 +137,8 @@ pub fn document<P: Population>(
         }
     }
     let mut whole = Map::new();
-    let head = json!({
-        "schema_version": 1, "ok": ok, "scenes": scenes.len(), "drives": drives.len(), "laws": laws
-    });
+    let (scenes, count) = (scenes.len(), drives.len());
+    let head = json!(Head { schema_version: 1, ok, scenes, drives: count, laws: &laws });
     whole.extend(head.as_object().cloned().unwrap_or_default());
     whole.extend(total);
     whole.extend(groups.iter().map(|(rows, group)| (group.name.to_owned(), json!(rows))));
@@ -164,12 +165,7 @@ pub fn document<P: Population>(
         }
     );
     let mut document = Document::new(P::NAME, P::TITLE, &whole)
-        .about(format!(
-            "{} scenes, {} drives by {}, lockstep",
-            scenes.len(),
-            drives.len(),
-            laws.join(", ")
-        ))
+        .about(format!("{} scenes, {} drives by {}, lockstep", scenes, count, laws.join(", ")))
         .verdict(ok, verdict);
     for (rows, group) in &groups {
         let table = Table::new(group.title, &group.columns(), rows).without_cases();

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
-use report::results::{Column, Document, flag};
+use report::results::{Column, Document};
 use runtime::Mode;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -135,9 +135,4 @@ pub trait Study: Sized + Sync {
 
     /// Judges the records.
     fn judge(&self, found: Found<Self>) -> Result<Document, Error>;
-}
-
-/// The field `ok` of a result: the verdict over all runs. `meaning` says when it is true.
-pub const fn ok<R>(meaning: &'static str) -> Column<R> {
-    flag("ok", "", ("ok", "BROKEN"), meaning)
 }

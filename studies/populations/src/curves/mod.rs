@@ -47,7 +47,6 @@ impl Population for Curves {
 
     const NAME: &'static str = "curves";
     const TITLE: &'static str = "Random curved roads, and curve entries and exits with queues";
-    const OK: &'static str = "All limits are met with yaw rate, standing objects and trails, and every such run ended well";
     const NUMBERS: usize = 1_000;
     const KEYS: &'static [&'static str] = &["scene", "sources"];
 

@@ -86,7 +86,6 @@ impl Population for Everyday {
 
     const NAME: &'static str = "everyday";
     const TITLE: &'static str = "Everyday driving";
-    const OK: &'static str = "No avoidable contact and no needless intervention with the emergency brake, few contacts without";
     const NUMBERS: usize = 53;
     const KEYS: &'static [&'static str] = &["kind", "brake"];
 

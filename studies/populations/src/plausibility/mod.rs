@@ -118,7 +118,6 @@ impl Population for Plausibility {
     const NAME: &'static str = "plausibility";
     const TITLE: &'static str =
         "False alarms of the controller's checks, and the false senders that they find";
-    const OK: &'static str = "No check found a contradiction without a fault, and no drive broke a requirement of the command";
     /// About three hours.
     const NUMBERS: usize = 110;
     const KEYS: &'static [&'static str] = &["kind", "fault", "size"];

@@ -76,8 +76,6 @@ impl Population for Signals {
 
     const NAME: &'static str = "signals";
     const TITLE: &'static str = "Corridors of signals";
-    const OK: &'static str =
-        "All laws but acc-signal-stop crossed no red light, touched nothing and ended every run";
     const NUMBERS: usize = 500;
     const KEYS: &'static [&'static str] = &["countdowns"];
     const LIMITS_DECIDE: bool = false;

@@ -172,7 +172,6 @@ mod tests {
             "b, go: moves_off_after_s 3.50 s, limit 3.00: timegap test iso15622 --controllers b --seed 7"
         );
         assert!(document.junit().contains("failure"), "{}", document.junit());
-        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
     }
 
     /// Six laws with 37 figures each.

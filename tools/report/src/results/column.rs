@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 use std::borrow::Cow;
 
-use super::head::{Format, Good, Head, Kind};
+use super::head::{Format, Good, Head};
 use crate::figures::{Figure, Fold, Values};
 
 const MEAN_DECIMALS: usize = 2;
@@ -159,11 +159,6 @@ pub const fn flag<R>(
     meaning: &'static str,
 ) -> Column<R> {
     column(name, heading, "", Format::Flag(words.0, words.1), meaning)
-}
-
-/// A nested object or list, in the JSON alone.
-pub const fn nested<R>(name: &'static str, kind: Kind, meaning: &'static str) -> Column<R> {
-    column(name, "", "", Format::Nested(kind), meaning).hidden()
 }
 
 fn outcome_words(name: &str) -> (&'static str, bool) {

@@ -33,15 +33,6 @@ pub enum Format {
     Verdict(fn(&str) -> (&'static str, bool)),
     /// An object `{text, ok}`: words and whether they are good. Only people see it.
     Judged,
-    /// A nested object or list. It is in the JSON alone.
-    Nested(Kind),
-}
-
-/// The type of a nested value in JSON.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    Object,
-    List,
 }
 
 /// Good values of a column.

@@ -75,10 +75,7 @@ fn rows(table: &Table) -> TestSuite {
         let keys = (0..verdict).take_while(is_key).filter(|&place| !cells[place].is_null());
         let name: Vec<_> = keys.map(|place| table.columns[place].text(&cells[place])).collect();
         let name = if name.is_empty() { format!("row {}", row + 1) } else { name.join(", ") };
-        let shown =
-            table.columns.iter().zip(cells).filter(|(head, cell)| {
-                !cell.is_null() && !matches!(head.format, Format::Nested(_))
-            });
+        let shown = table.columns.iter().zip(cells).filter(|(_, cell)| !cell.is_null());
         let words = shown.map(|(head, cell)| format!("{} = {}", head.title(), head.text(cell)));
         let words: Vec<_> = words.collect();
         suite.add_test_case(case(&name, &words.join("\n"), table.is_good(row)));

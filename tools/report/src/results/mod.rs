@@ -24,11 +24,11 @@ mod schema;
 mod table;
 
 pub use column::{
-    Column, at, column, count, fact, flag, judged, micros, nested, number, outcome, value, word,
+    Column, at, column, count, fact, flag, judged, micros, number, outcome, value, word,
 };
 pub use console::{folded, width};
 pub use document::{Broken, Document, Part};
-pub use head::{Format, Good, Head, Kind, duration};
+pub use head::{Format, Good, Head, duration};
 pub use options::ResultOptions;
-pub use schema::{Object, Schema, check, document as schema_document};
+pub use schema::{Object, Schema, document as schema_document};
 pub use table::{Fact, Table, csv_fields, csv_names, field};

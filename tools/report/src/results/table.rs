@@ -194,8 +194,7 @@ impl Head {
 }
 
 fn in_csv(head: &Head) -> bool {
-    !head.name.is_empty()
-        && !matches!(head.format, super::Format::Nested(_) | super::Format::Judged)
+    !head.name.is_empty() && !matches!(head.format, super::Format::Judged)
 }
 
 /// A field of CSV: all digits of a number; nothing where nothing applies.
