@@ -178,7 +178,12 @@ fn without_crcs_and_digests_a_run_is_the_same() {
             (digests.count(), repeatable(&summary), group.drive.steps)
         };
         let sealed = told(in_process::run(&scenario));
-        let unsealed = told(in_process::run_unsealed(&scenario, &|| false));
+        let unsealed = told(in_process::run_watched(
+            &scenario,
+            runtime::Sealing::Unsealed,
+            &|| false,
+            &mut |_| {},
+        ));
         assert!(sealed.0 > 5 && unsealed.0 == 0, "{mix}: {} and {}", sealed.0, unsealed.0);
         assert_eq!(sealed.1, unsealed.1, "{mix}");
         assert!(sealed.2 == unsealed.2, "{mix}: another drive");

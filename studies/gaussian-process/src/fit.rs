@@ -28,7 +28,6 @@ const PART: f64 = 0.5;
 ///
 /// # Panics
 /// Without a point.
-#[must_use]
 pub fn fit(kinds: &[Kind], points: &[Vec<f64>], values: &[f64]) -> Hyperparameters {
     let problem = Problem::new(kinds, points, values);
     let found = STARTS.map(|start| problem.climb(start));

@@ -11,7 +11,6 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 /// let even = expected_improvement((0.0, 1.0), 0.0);
 /// assert!((even - 0.398_942_280_4).abs() < 1e-9, "half of the mean deviation");
 /// ```
-#[must_use]
 pub fn expected_improvement((mean, variance): (f64, f64), target: f64) -> f64 {
     let (gain, deviation) = (target - mean, variance.sqrt());
     if deviation <= 1e-12 {

@@ -21,7 +21,6 @@ pub struct Process {
 
 impl Process {
     /// A process through `values` at `points`. The values should have mean 0.
-    #[must_use]
     pub fn new(
         kinds: &[Kind],
         parameters: Hyperparameters,
@@ -46,13 +45,11 @@ impl Process {
     }
 
     /// Number of points.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.points.len()
     }
 
     /// True without a point.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
@@ -90,13 +87,11 @@ impl Process {
     }
 
     /// Mean at a point: O(n).
-    #[must_use]
     pub fn mean(&self, point: &[f64]) -> f64 {
         dot(&self.covariances(point), &self.weights)
     }
 
     /// Mean and variance at a point: O(n²).
-    #[must_use]
     pub fn predict(&self, point: &[f64]) -> (f64, f64) {
         let covariances = self.covariances(point);
         let solved = self.factor.forward(&covariances);
@@ -170,7 +165,6 @@ struct Block {
 
 impl Watched {
     /// Points that no process has been asked at.
-    #[must_use]
     pub fn new(points: Vec<Vec<f64>>) -> Self {
         let blocks = vec![Block::default(); points.len().div_ceil(LANES)];
         Self { points, blocks, known: 0, forgotten: 0 }
@@ -183,7 +177,6 @@ impl Watched {
         }
     }
 
-    #[must_use]
     pub fn points(&self) -> &[Vec<f64>] {
         &self.points
     }

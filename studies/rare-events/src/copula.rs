@@ -52,12 +52,10 @@ impl Copula {
     }
 
     /// Number of variables.
-    #[must_use]
     pub fn dimensions(&self) -> usize {
         self.distributions.len()
     }
 
-    #[must_use]
     pub fn values(&self, point: &[f64]) -> Vec<f64> {
         let normals = self.factor.times(point);
         self.distributions.iter().zip(normals).map(|(of, z)| of.at(z)).collect()

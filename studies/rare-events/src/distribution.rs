@@ -82,7 +82,6 @@ impl Distribution {
     }
 
     /// The value at a standard normal coordinate: the quantile of its distribution function.
-    #[must_use]
     pub fn at(&self, z: f64) -> f64 {
         match self {
             Self::Normal { mean, deviation } => mean + deviation * z,

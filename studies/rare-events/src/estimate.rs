@@ -43,7 +43,6 @@ pub struct Replica {
 
 impl Estimate {
     /// The estimate of `runs` nominal points, of which these are in the event.
-    #[must_use]
     pub fn of_points(events: &[Vec<f64>], runs: usize) -> Self {
         Self {
             probability: if runs > 0 { events.len() as f64 / runs as f64 } else { 0.0 },
@@ -57,7 +56,6 @@ impl Estimate {
     }
 
     /// The mean of replicas, with the interval of their scatter.
-    #[must_use]
     pub fn of_replicas(all: &[Replica]) -> Self {
         let replicas: Vec<f64> = all.iter().map(|replica| replica.probability).collect();
         let weighed = all.iter().flat_map(|one| one.events.iter().zip(one.weights.iter().copied()));
@@ -75,7 +73,6 @@ impl Estimate {
 }
 
 /// True if two results contradict each other: their intervals have nothing in common.
-#[must_use]
 pub fn disagree(one: &Estimate, other: &Estimate) -> bool {
     one.interval[1] < other.interval[0] || other.interval[1] < one.interval[0]
 }

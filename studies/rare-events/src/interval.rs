@@ -11,7 +11,6 @@ const STUDENT: f64 = 2.776445105;
 /// let [low, high] = rare_events::wilson(0, 100);
 /// assert!(low == 0.0 && (high - 0.0370).abs() < 1e-4);
 /// ```
-#[must_use]
 pub fn wilson(events: usize, runs: usize) -> [f64; 2] {
     /// Quantile of the normal distribution at 97.5 %.
     const Z: f64 = 1.959963984540054;

@@ -9,7 +9,6 @@ use rand_pcg::Pcg64;
 pub const ENOUGH_EVENTS: usize = 100;
 
 /// The point of a run by its number, so that runs can be done in any order.
-#[must_use]
 pub fn point(dimensions: usize, seed: u64, number: u64) -> Vec<f64> {
     let mut generator = Pcg64::new(seed.into(), number.into());
     // The first number of a stream is almost the same for all small seeds.

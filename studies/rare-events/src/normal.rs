@@ -3,12 +3,10 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Distribution function.
-#[must_use]
 pub fn cdf(z: f64) -> f64 {
     0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
 }
 
-#[must_use]
 pub fn density(z: f64) -> f64 {
     libm::exp(-0.5 * z * z) / libm::sqrt(2.0 * PI)
 }
@@ -20,7 +18,6 @@ pub fn density(z: f64) -> f64 {
 /// ```
 /// assert!((rare_events::normal::quantile(0.975) - 1.959963984540054).abs() < 1e-13);
 /// ```
-#[must_use]
 pub fn quantile(share: f64) -> f64 {
     if share <= 0.0 {
         return f64::NEG_INFINITY;

@@ -28,7 +28,6 @@ pub struct Indices {
 }
 
 /// The points of a row by its number: a, b, then a with each coordinate of b.
-#[must_use]
 pub fn row(dimensions: usize, seed: u64, number: u64) -> Vec<Vec<f64>> {
     let both = point(2 * dimensions, seed, number);
     let (a, b) = both.split_at(dimensions);
@@ -42,7 +41,6 @@ pub fn row(dimensions: usize, seed: u64, number: u64) -> Vec<Vec<f64>> {
 
 /// The indices from the values of rows, in the order of [`row`]. `None` if the value does not vary, or is not finite
 /// somewhere.
-#[must_use]
 pub fn of_rows(rows: &[Vec<f64>]) -> Option<Vec<Indices>> {
     let count = rows.len() as f64;
     let both = || rows.iter().flat_map(|row| &row[..2]);

@@ -21,7 +21,7 @@ const TRACE_POINTS: usize = 400;
 /// let laws = vec![supervise::open("following", &options).expect("built in")];
 /// let mut string = CarByCar::new(laws, 2);
 /// while let Some(scenario) = string.next().expect("a short string") {
-///     let outcome = supervise::in_process::run_unsealed(&scenario, &|| false).expect("it drives");
+///     let outcome = supervise::in_process::run_watched(&scenario, runtime::Sealing::Unsealed, &|| false, &mut |_| {}).expect("it drives");
 ///     let wall = std::time::Duration::from_millis(1);
 ///     let summary = report::summary::Summary::new(&scenario, runtime::Mode::Lockstep, &outcome, wall);
 ///     string.drove(&scenario, &summary, &outcome.drive);

@@ -39,16 +39,8 @@ pub fn run(scenario: &Scenario) -> Result<GroupOutcome, Error> {
     run_watched(scenario, Sealing::Sealed, &|| false, &mut |_| {})
 }
 
-/// The same for a run whose messages are not compared with another run's. CRCs and digests are not computed, and the
-/// summary has no digests. All else is the same.
-pub fn run_unsealed(
-    scenario: &Scenario,
-    interrupted: &dyn Fn() -> bool,
-) -> Result<GroupOutcome, Error> {
-    run_watched(scenario, Sealing::Unsealed, interrupted, &mut |_| {})
-}
-
-/// The same with digests or without, while `watch` sees it go, until `interrupted` says that it is to end.
+/// The same while `watch` sees it go, until `interrupted` says that it is to end. Unsealed messages have neither CRCs nor
+/// digests, for a run that is not compared with another one. All else is the same.
 pub fn run_watched(
     scenario: &Scenario,
     sealing: Sealing,

@@ -107,8 +107,13 @@ mod tests {
     fn a_difference_is_named() {
         let scenario =
             supervise::open("following", &supervise::ScenarioOptions::default()).expect("built in");
-        let outcome =
-            supervise::in_process::run_unsealed(&scenario, &|| true).expect("it ends at once");
+        let outcome = supervise::in_process::run_watched(
+            &scenario,
+            runtime::Sealing::Unsealed,
+            &|| true,
+            &mut |_| {},
+        )
+        .expect("it ends at once");
         let summary = || {
             let wall = std::time::Duration::ZERO;
             Summary::new(&scenario, runtime::Mode::Lockstep, &outcome, wall)

@@ -35,6 +35,11 @@ impl Assisted {
         let planner = law.planner();
         Self { law, planner, map, set_speed_mps, answer: None, output: Output::default() }
     }
+
+    /// Mode of the law in its last cycle.
+    pub fn mode(&self) -> u32 {
+        self.output.mode
+    }
 }
 
 impl Driver for Assisted {
@@ -83,10 +88,6 @@ impl Driver for Assisted {
             service_brake_n: request.service_brake_n,
             gear: request.gear,
         }
-    }
-
-    fn mode(&self) -> u32 {
-        self.output.mode
     }
 }
 

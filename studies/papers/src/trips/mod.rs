@@ -34,4 +34,4 @@ pub use comparison::Comparison;
 pub use equal_time::{EQUAL_TIME, at_equal_time};
 pub use human::Human;
 pub use road::{Road, generated};
-pub use trip::{CONTROL_PERIOD_S, Driver, Lead, Moment, Noise, Seen, Trip, chase, drive};
+pub use trip::{CONTROL_PERIOD_S, Driver, Seen, Trip, drive};

@@ -208,7 +208,9 @@ mod tests {
     }
 
     fn drive(scenario: &Scenario) -> (Driven, Summary) {
-        let group = in_process::run_unsealed(scenario, &|| false).expect("it runs");
+        let group =
+            in_process::run_watched(scenario, runtime::Sealing::Unsealed, &|| false, &mut |_| {})
+                .expect("it runs");
         let summary = Summary::new(scenario, runtime::Mode::Lockstep, &group, group.ran_for);
         (group.drive, summary)
     }

@@ -264,7 +264,13 @@ mod tests {
 
     /// Gap, m, speed, m/s, and acceleration, m/s², when the lead has driven evenly for `time_s`.
     fn state_at(scenario: &Scenario, time_s: f64) -> [f64; 3] {
-        let group = supervise::in_process::run_unsealed(scenario, &|| false).expect("it runs");
+        let group = supervise::in_process::run_watched(
+            scenario,
+            runtime::Sealing::Unsealed,
+            &|| false,
+            &mut |_| {},
+        )
+        .expect("it runs");
         let steps = group.drive.steps.iter().take_while(|step| step.time_s <= time_s + 1e-9);
         let last = steps.filter(|step| step.gap_m.is_some()).last().expect("it has begun");
         [last.gap_m.expect("there is a lead"), last.speed_mps, last.acceleration_mps2]

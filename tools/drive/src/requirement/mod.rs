@@ -38,34 +38,12 @@ enum Judge {
     Rule(Rule),
 }
 
+/// A requirement of the scenario that cannot be read, by its place among them.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum RequirementError {
-    /// A formula with a fault, of the scenario's requirement `index`.
-    #[error("require.formulas.{index}: {error}")]
-    Formula {
-        /// Name of the requirement.
-        index: usize,
-        error: Box<FormulaError>,
-    },
-    /// A known name with another number of values than it takes.
-    #[error("require.formulas.{index}: \"{text}\", expected {expected}")]
-    Name {
-        /// Name of the requirement.
-        index: usize,
-        text: String,
-        /// The form of the name.
-        expected: &'static str,
-    },
-    /// A word that is no name.
-    #[error(
-        "require.formulas.{index}: unknown requirement `{name}`, expected a formula or one of {}",
-        scenario::accepted(name, names::NAMES)
-    )]
-    Unknown {
-        /// Name of the requirement.
-        index: usize,
-        name: String,
-    },
+#[error("require.formulas.{index}: {why}")]
+pub struct RequirementError {
+    index: usize,
+    why: String,
 }
 
 /// Verdict of a requirement on a drive, and its margin.
@@ -98,8 +76,11 @@ pub struct RequirementVerdict {
 pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, RequirementError> {
     let known = signals::signals();
     let read = |(index, text): (usize, &String)| {
+        let refuse = |why: String| RequirementError { index, why };
         if let Some(name) = names::unknown(text) {
-            return Err(RequirementError::Unknown { index, name: name.to_owned() });
+            let names = scenario::accepted(name, names::NAMES);
+            let why = format!("unknown requirement `{name}`, expected a formula or one of {names}");
+            return Err(refuse(why));
         }
         let formula = match names::named(text) {
             None => text.clone(),
@@ -108,10 +89,10 @@ pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, Requirement
                 return Ok(Requirement { text: text.clone(), judge: Judge::Rule(rule) });
             }
             Some(Err(WrongForm(expected))) => {
-                return Err(RequirementError::Name { index, text: text.clone(), expected });
+                return Err(refuse(format!("\"{text}\", expected {expected}")));
             }
         };
-        let fault = |error| RequirementError::Formula { index, error: Box::new(error) };
+        let fault = |error: FormulaError| refuse(error.to_string());
         let formula = Formula::parse(&formula, &known).map_err(fault)?;
         formula.check_duration(scenario.duration_s.value()).map_err(fault)?;
         Ok(Requirement { text: text.clone(), judge: Judge::Formula(formula) })

@@ -61,13 +61,15 @@ impl<R> Clone for Column<R> {
     }
 }
 
+type Text = &'static str;
+
 /// A column with all that is said of it; the functions beside it are shorter.
 pub const fn column<R>(
-    name: &'static str,
-    heading: &'static str,
-    unit: &'static str,
+    name: Text,
+    heading: Text,
+    unit: Text,
     format: Format,
-    meaning: &'static str,
+    meaning: Text,
 ) -> Column<R> {
     let head = Head {
         name: Cow::Borrowed(name),
@@ -85,79 +87,50 @@ pub const fn column<R>(
 
 /// A number with a unit and a number of decimals.
 pub const fn number<R>(
-    name: &'static str,
-    heading: &'static str,
-    unit: &'static str,
+    name: Text,
+    heading: Text,
+    unit: Text,
     decimals: usize,
-    meaning: &'static str,
+    meaning: Text,
 ) -> Column<R> {
     column(name, heading, unit, Format::Decimals(decimals), meaning)
 }
 
 /// A duration in µs.
-pub const fn micros<R>(
-    name: &'static str,
-    heading: &'static str,
-    meaning: &'static str,
-) -> Column<R> {
+pub const fn micros<R>(name: Text, heading: Text, meaning: Text) -> Column<R> {
     column(name, heading, "", Format::Duration, meaning)
 }
 
 /// A whole number.
-pub const fn count<R>(
-    name: &'static str,
-    heading: &'static str,
-    meaning: &'static str,
-) -> Column<R> {
+pub const fn count<R>(name: Text, heading: Text, meaning: Text) -> Column<R> {
     column(name, heading, "", Format::Count, meaning)
 }
 
-pub const fn word<R>(
-    name: &'static str,
-    heading: &'static str,
-    meaning: &'static str,
-) -> Column<R> {
+pub const fn word<R>(name: Text, heading: Text, meaning: Text) -> Column<R> {
     column(name, heading, "", Format::Word, meaning)
 }
 
 /// A number as it was given, or a word: the value of a key.
-pub const fn value<R>(
-    name: &'static str,
-    heading: &'static str,
-    meaning: &'static str,
-) -> Column<R> {
+pub const fn value<R>(name: Text, heading: Text, meaning: Text) -> Column<R> {
     column(name, heading, "", Format::Value, meaning)
 }
 
 /// End of a run.
-pub const fn outcome<R>(name: &'static str) -> Column<R> {
+pub const fn outcome<R>(name: Text) -> Column<R> {
     column(name, "outcome", "", Format::Verdict(outcome_words), "How the run ended")
 }
 
 /// A fact that is true or false, neither of which is good.
-pub const fn fact<R>(
-    name: &'static str,
-    heading: &'static str,
-    meaning: &'static str,
-) -> Column<R> {
+pub const fn fact<R>(name: Text, heading: Text, meaning: Text) -> Column<R> {
     column(name, heading, "", Format::Fact, meaning)
 }
 
 /// Words with their judgement, `{text, ok}`, for people.
-pub const fn judged<R>(
-    name: &'static str,
-    heading: &'static str,
-    meaning: &'static str,
-) -> Column<R> {
+pub const fn judged<R>(name: Text, heading: Text, meaning: Text) -> Column<R> {
     column(name, heading, "", Format::Judged, meaning)
 }
 
-pub const fn flag<R>(
-    name: &'static str,
-    heading: &'static str,
-    words: (&'static str, &'static str),
-    meaning: &'static str,
-) -> Column<R> {
+pub const fn flag<R>(name: Text, heading: Text, words: (Text, Text), meaning: Text) -> Column<R> {
     column(name, heading, "", Format::Flag(words.0, words.1), meaning)
 }
 
