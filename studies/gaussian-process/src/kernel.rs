@@ -4,7 +4,6 @@ use multiversion::multiversion;
 
 use crate::lanes::{self, LANES, Lanes};
 
-/// Kind of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A number: near values are alike.

@@ -5,7 +5,6 @@
 /// Numbers that are computed side by side: enough that one addition need not wait for the one before it.
 pub(crate) const LANES: usize = 16;
 
-/// One number in each lane.
 pub(crate) type Lanes = [f64; LANES];
 
 /// Bits of ln 2 that a product with a small whole number keeps, and the rest of it.

@@ -14,9 +14,7 @@ use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use scenario::{Setting, Table, table};
 
-/// Width of the ego, and of a car, m.
 pub const CAR_WIDTH_M: f64 = 1.8;
-/// Length of the ego, and of a car, m.
 pub const CAR_LENGTH_M: f64 = 4.5;
 pub const LANE_M: f64 = 3.5;
 
@@ -63,7 +61,6 @@ pub struct Actor {
     pub speeds: Vec<SpeedChange>,
     /// Motions across the road, in order of time and one after the other.
     pub laterals: Vec<LateralChange>,
-    /// Further keys of its table.
     pub keys: Table,
 }
 

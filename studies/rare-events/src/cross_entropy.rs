@@ -20,7 +20,6 @@ use crate::smoothing::Smoothing;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 
-/// Most levels of a replica.
 const MOST_LEVELS: usize = 9;
 /// A replica's runs over those of a level.
 const LEVELS_IN_RUNS: usize = 14;

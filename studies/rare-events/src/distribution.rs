@@ -48,13 +48,7 @@ pub enum DistributionError {
     Form(String),
     /// A number that the distribution cannot have.
     #[error("{name} = {value}, expected {expected}")]
-    Number {
-        /// The number's name.
-        name: &'static str,
-        value: f64,
-        /// The condition.
-        expected: &'static str,
-    },
+    Number { name: &'static str, value: f64, expected: &'static str },
     /// Too few measured values.
     #[error("{0} different values, expected 10 or more")]
     Few(usize),

@@ -1,6 +1,5 @@
 //! Intervals of estimates.
 
-/// Independent replicas.
 pub const REPLICAS: usize = 5;
 /// Student's quantile at 97.5 % for one less than the replicas.
 const STUDENT: f64 = 2.776445105;

@@ -1,9 +1,7 @@
 //! Pictures of a search: all runs at once, the best so far, and the two variables that matter most. The failing drives
 //! stand beside the reference's.
 
-use report::chart::{
-    Axis, Curve, Dot, Edges, Mark, Parallel, Picture, Plot, Polyline, Scatter, Stroke, Tone,
-};
+use report::chart::{self, Axis, Chart, Curve, Edges, Mark, Plot, Stroke, Tone};
 use supervise::DriveStep;
 
 use crate::distinct::effects;
@@ -52,16 +50,22 @@ impl Drives {
 }
 
 /// The pictures of all runs; none without a run.
-pub fn of_runs(problem: &Problem, records: &[(usize, Record)]) -> Vec<Box<dyn Picture>> {
+pub fn of_runs(problem: &Problem, records: &[(usize, Record)]) -> Vec<Chart> {
     if records.is_empty() {
         return Vec::new();
     }
-    let mut pictures: Vec<Box<dyn Picture>> =
-        vec![Box::new(parallel(problem, records)), Box::new(best_so_far(records))];
-    if let Some(scatter) = scatter(problem, records) {
-        pictures.push(Box::new(scatter));
-    }
-    pictures
+    let both = [parallel(problem, records), best_so_far(records)];
+    both.into_iter().chain(scatter(problem, records)).collect()
+}
+
+/// Kinds with what belongs to each.
+fn sorted<T>(
+    kinds: [(&'static str, Tone); 3],
+    all: impl Iterator<Item = (usize, T)>,
+) -> [(&'static str, Tone, Vec<T>); 3] {
+    let mut sorted = kinds.map(|(name, tone)| (name, tone, Vec::new()));
+    all.for_each(|(kind, one)| sorted[kind].2.push(one));
+    sorted
 }
 
 fn kind(value: f64) -> usize {
@@ -73,26 +77,20 @@ fn kind(value: f64) -> usize {
 }
 
 /// Each run as a line through its values, one row a variable.
-fn parallel(problem: &Problem, records: &[(usize, Record)]) -> Parallel {
+fn parallel(problem: &Problem, records: &[(usize, Record)]) -> Chart {
     let mut order: Vec<&Record> = records.iter().map(|(_, record)| record).collect();
     order.sort_by(|a, b| a.value().total_cmp(&b.value()));
     let near = order.partition_point(|record| record.value() < NEAR);
     order.truncate(MOST_LINES.min(near + MOST_OTHERS));
-    let lines = order
-        .iter()
-        .map(|record| Polyline { shares: record.driven.point.clone(), kind: kind(record.value()) });
-    let rows =
-        problem.variables.iter().map(|variable| format!("{}: {}", variable.name, variable.domain));
-    Parallel {
-        title: format!("The {} runs with the least values", order.len()),
-        rows: rows.collect(),
-        kinds: KINDS.map(|(name, tone)| (name.to_owned(), tone)).to_vec(),
-        lines: lines.collect(),
-    }
+    let lines = order.iter().map(|record| (kind(record.value()), record.driven.point.as_slice()));
+    let row = |variable: &Variable| format!("{}: {}", variable.name, variable.domain);
+    let rows: Vec<String> = problem.variables.iter().map(row).collect();
+    let title = format!("The {} runs with the least values", order.len());
+    chart::parallel(&title, &rows, &sorted(KINDS, lines))
 }
 
 /// The value of each run, and the least one so far.
-fn best_so_far(records: &[(usize, Record)]) -> Scatter {
+fn best_so_far(records: &[(usize, Record)]) -> Chart {
     let mut values: Vec<f64> = records.iter().map(|(_, record)| record.value()).collect();
     values.sort_by(f64::total_cmp);
     let most = (2.0 * values[values.len() / 2]).clamp(MOST_SHOWN.0, MOST_SHOWN.1).ceil();
@@ -102,13 +100,13 @@ fn best_so_far(records: &[(usize, Record)]) -> Scatter {
     let x = Axis::linear("run", 0.0, last + 1.0);
     let room = 2.0 * ROOM * (most - worst.floor());
     let y = Axis::linear("value, tolerances", worst.floor() - room, most + room);
-    let dots = records.iter().map(|one| Dot {
-        at: place(one),
-        kind: match &one.1 {
+    let dots = records.iter().map(|one| {
+        let kind = match &one.1 {
             record if record.is_failure() => 0,
             record if record.driven.is_even => 2,
             _ => 1,
-        },
+        };
+        (kind, place(one))
     });
     let mut least: Vec<[(f64, f64); 2]> = Vec::new();
     let mut from = records.first().map(place);
@@ -125,45 +123,30 @@ fn best_so_far(records: &[(usize, Record)]) -> Scatter {
         ("point of the process", Tone::Series(2)),
         ("even point", Tone::Muted),
     ];
-    Scatter {
-        title: format!("Value by run (a larger value than {most} is drawn there)"),
-        x,
-        y,
-        kinds: kinds.map(|(name, tone)| (name.to_owned(), tone)).to_vec(),
-        dots: dots.collect(),
-        edges: vec![
-            edges("least value so far", Tone::Series(0), Stroke::Solid, least),
-            edges("limit", Tone::Stop, Stroke::Dashed, vec![[(0.0, 0.0), (last + 1.0, 0.0)]]),
-        ],
-    }
+    let edges = [
+        edges("least value so far", Tone::Series(0), Stroke::Solid, least),
+        edges("limit", Tone::Stop, Stroke::Dashed, vec![[(0.0, 0.0), (last + 1.0, 0.0)]]),
+    ];
+    let title = format!("Value by run (a larger value than {most} is drawn there)");
+    chart::scatter(&title, (&x, &y), &sorted(kinds, dots), &edges)
 }
 
 /// The runs over the two variables that matter most; none with fewer than two numbers.
-fn scatter(problem: &Problem, records: &[(usize, Record)]) -> Option<Scatter> {
+fn scatter(problem: &Problem, records: &[(usize, Record)]) -> Option<Chart> {
     let effects = effects(&problem.variables, records);
     let is_number = |place: &usize| !problem.variables[*place].domain.is_of_words();
     let mut places: Vec<usize> = (0..effects.len()).filter(is_number).collect();
     places.sort_by(|a, b| effects[*b].unwrap_or(0.0).total_cmp(&effects[*a].unwrap_or(0.0)));
     let [across, up, ..] = places[..] else { return None };
     let (x, y) = (&problem.variables[across], &problem.variables[up]);
-    let dots = records.iter().map(|(_, record)| Dot {
-        at: (
-            x.domain.drawn_at(record.driven.point[across]),
-            y.domain.drawn_at(record.driven.point[up]),
-        ),
-        kind: kind(record.value()),
+    let dots = records.iter().map(|(_, record)| {
+        let point = &record.driven.point;
+        (kind(record.value()), (x.domain.drawn_at(point[across]), y.domain.drawn_at(point[up])))
     });
-    Some(Scatter {
-        title: format!("{} over {}", y.name, x.name),
-        x: axis(x),
-        y: axis(y),
-        kinds: KINDS.map(|(name, tone)| (name.to_owned(), tone)).to_vec(),
-        dots: dots.collect(),
-        edges: Vec::new(),
-    })
+    let title = format!("{} over {}", y.name, x.name);
+    Some(chart::scatter(&title, (&axis(x), &axis(y)), &sorted(KINDS, dots), &[]))
 }
 
-/// The axis of a variable's numbers.
 fn axis(variable: &Variable) -> Axis {
     let (low, high) = (variable.domain.drawn_at(-ROOM), variable.domain.drawn_at(1.0 + ROOM));
     match &variable.domain {
@@ -175,7 +158,7 @@ fn axis(variable: &Variable) -> Axis {
 }
 
 /// A failing drive beside the reference's, with the instant that decides its requirement.
-pub fn of_drives(file: &str, requirement: &str, drives: &Drives) -> Vec<Box<dyn Picture>> {
+pub fn of_drives(file: &str, requirement: &str, drives: &Drives) -> [Chart; 2] {
     let end_s = drives.own.last().map_or(1.0, |sample| sample.time_s);
     let end_s = drives.reference.last().map_or(end_s, |sample| sample.time_s.max(end_s));
     let speed = |samples: &[Sample]| samples.iter().map(|s| (s.time_s, s.speed_mps)).collect();
@@ -198,8 +181,8 @@ pub fn of_drives(file: &str, requirement: &str, drives: &Drives) -> Vec<Box<dyn 
     };
     let mark = |x| Mark { x, label: "A".to_owned(), tone: Tone::Alarm };
     let marks: Vec<Mark> = drives.decided_s.into_iter().map(mark).collect();
-    vec![
-        Box::new(Plot::over_time(&title("speed"), end_s, "m/s", speeds).marked(&marks)),
-        Box::new(Plot::over_time(&title("gap"), end_s, "m", gaps).marked(&marks)),
-    ]
+    let plots = [("speed", "m/s", speeds), ("gap", "m", gaps)];
+    plots.map(|(what, unit, curves)| {
+        Chart::from(&Plot::over_time(&title(what), end_s, unit, curves).marked(&marks))
+    })
 }

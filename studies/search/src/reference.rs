@@ -56,10 +56,6 @@ pub enum ReferenceName {
     None,
 }
 
-/// A driver who follows the traffic of a scenario, and brakes as [`ReferenceDriver`] when it needs to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reference(pub ReferenceDriver);
-
 /// The drive of a reference.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Driven {
@@ -72,7 +68,6 @@ pub struct Driven {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     pub time_s: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
     /// Gap to the vehicle ahead, m.
     pub gap_m: Option<f64>,
@@ -91,63 +86,58 @@ impl Driven {
     }
 }
 
-impl Reference {
-    /// 6 m/s², 0.35 s after the need.
-    pub const REGULATION: Self = Self(ReferenceDriver::REGULATION);
-    /// The careful driver: 0.774 g after 0.75 s, reached in 0.6 s.
-    pub const CAREFUL: Self = Self(ReferenceDriver::CAREFUL);
-
-    pub fn named(name: ReferenceName) -> Option<Self> {
-        match name {
-            ReferenceName::Regulation => Some(Self::REGULATION),
-            ReferenceName::Careful => Some(Self::CAREFUL),
-            ReferenceName::None => None,
+impl ReferenceName {
+    pub fn driver(self) -> Option<ReferenceDriver> {
+        match self {
+            Self::Regulation => Some(ReferenceDriver::REGULATION),
+            Self::Careful => Some(ReferenceDriver::CAREFUL),
+            Self::None => None,
         }
     }
+}
 
-    /// Drives a scenario, until its end or a contact. `keep` keeps the samples.
-    pub fn drive(&self, scenario: &Scenario, keep: bool) -> Driven {
-        let mut traffic = Traffic::new(scenario);
-        let mut ego = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
-        let length_m = scenario.plant.length_m.value();
-        let limit = scenario.speed_limit_mps.map_or(f64::INFINITY, |limit| limit.value());
-        let wanted_mps = scenario.set_speed_mps.value().min(limit).max(1.0);
-        let driver = self.0.with_brakes(-scenario.plant.min_acceleration_mps2.value());
-        let mut driven = Driven { clearance_m: f64::INFINITY, samples: Vec::new() };
-        let mut needed_since: Option<f64> = None;
-        let steps = scenario.duration_s.nanoseconds() / STEP_NS;
-        for step in 0..=steps {
-            let (time_ns, time_s) = (step * STEP_NS, step as f64 * STEP_S);
-            traffic.advance(time_ns, &ego);
-            let ahead = nearest(traffic.vehicles(), &ego, length_m);
-            let gap_m = ahead.map(|vehicle| vehicle.rear_position_m - ego.position_m);
-            driven.clearance_m = driven.clearance_m.min(gap_m.unwrap_or(f64::INFINITY));
-            if keep {
-                driven.samples.push(Sample { time_s, speed_mps: ego.speed_mps, gap_m });
-            }
-            if gap_m.is_some_and(|gap| gap <= 0.0) {
-                break;
-            }
-            let need_mps2 = ahead.map_or(0.0, |vehicle| needs(&ego, vehicle));
-            match needed_since {
-                None if need_mps2 > NEED_MPS2 => needed_since = Some(time_s),
-                Some(_) if need_mps2 < OVER_MPS2 => needed_since = None,
-                _ => {}
-            }
-            let acceleration_mps2 =
-                match needed_since.map(|since| driver.braking_mps2(time_s - since)) {
-                    None => follow(&ego, ahead, wanted_mps),
-                    // Until it reacts, the driver does what it did, and does not speed up.
-                    Some(None) => ego.acceleration_mps2.min(0.0),
-                    Some(Some(braking_mps2)) => -braking_mps2,
-                };
-            let next_mps = (ego.speed_mps + acceleration_mps2 * STEP_S).max(0.0);
-            ego.position_m += 0.5 * STEP_S * (ego.speed_mps + next_mps);
-            ego.acceleration_mps2 = acceleration_mps2;
-            ego.speed_mps = next_mps;
+/// Drives a scenario, until its end or a contact. `keep` keeps the samples.
+pub fn drive(driver: ReferenceDriver, scenario: &Scenario, keep: bool) -> Driven {
+    let mut traffic = Traffic::new(scenario);
+    let mut ego = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
+    let length_m = scenario.plant.length_m.value();
+    let limit = scenario.speed_limit_mps.map_or(f64::INFINITY, |limit| limit.value());
+    let wanted_mps = scenario.set_speed_mps.value().min(limit).max(1.0);
+    let driver = driver.with_brakes(-scenario.plant.min_acceleration_mps2.value());
+    let mut driven = Driven { clearance_m: f64::INFINITY, samples: Vec::new() };
+    let mut needed_since: Option<f64> = None;
+    let steps = scenario.duration_s.nanoseconds() / STEP_NS;
+    for step in 0..=steps {
+        let (time_ns, time_s) = (step * STEP_NS, step as f64 * STEP_S);
+        traffic.advance(time_ns, &ego);
+        let ahead = nearest(traffic.vehicles(), &ego, length_m);
+        let gap_m = ahead.map(|vehicle| vehicle.rear_position_m - ego.position_m);
+        driven.clearance_m = driven.clearance_m.min(gap_m.unwrap_or(f64::INFINITY));
+        if keep {
+            driven.samples.push(Sample { time_s, speed_mps: ego.speed_mps, gap_m });
         }
-        driven
+        if gap_m.is_some_and(|gap| gap <= 0.0) {
+            break;
+        }
+        let need_mps2 = ahead.map_or(0.0, |vehicle| needs(&ego, vehicle));
+        match needed_since {
+            None if need_mps2 > NEED_MPS2 => needed_since = Some(time_s),
+            Some(_) if need_mps2 < OVER_MPS2 => needed_since = None,
+            _ => {}
+        }
+        let acceleration_mps2 = match needed_since.map(|since| driver.braking_mps2(time_s - since))
+        {
+            None => follow(&ego, ahead, wanted_mps),
+            // Until it reacts, the driver does what it did, and does not speed up.
+            Some(None) => ego.acceleration_mps2.min(0.0),
+            Some(Some(braking_mps2)) => -braking_mps2,
+        };
+        let next_mps = (ego.speed_mps + acceleration_mps2 * STEP_S).max(0.0);
+        ego.position_m += 0.5 * STEP_S * (ego.speed_mps + next_mps);
+        ego.acceleration_mps2 = acceleration_mps2;
+        ego.speed_mps = next_mps;
     }
+    driven
 }
 
 /// The vehicle in the path that is ahead, or beside the ego's own body.
@@ -191,12 +181,12 @@ fn squared(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn drive(driver: Reference, text: &str) -> Driven {
+    fn driven(driver: ReferenceDriver, text: &str) -> Driven {
         let text = format!(
             "schema_version = 1\nname = \"x\"\nduration_s = 20\nset_speed_mps = 20\n\
              [plant]\ninitial_speed_mps = 20\n{text}"
         );
-        driver.drive(&Scenario::parse("x.toml", &text).expect("a scenario"), true)
+        drive(driver, &Scenario::parse("x.toml", &text).expect("a scenario"), true)
     }
 
     fn standing(gap_m: f64, appears_s: f64) -> String {
@@ -209,23 +199,25 @@ mod tests {
     /// 0.75 s, 11.5 m while the braking grows, then 20.7 m. 0.5 m must be left.
     #[test]
     fn the_driver_brakes_after_its_reaction_time() {
-        let avoids = |driver, gap_m| drive(driver, &standing(gap_m, 1.0)).avoids();
-        assert!(avoids(Reference::REGULATION, 41.3) && !avoids(Reference::REGULATION, 40.3));
-        assert!(avoids(Reference::CAREFUL, 48.5) && !avoids(Reference::CAREFUL, 47.0));
+        let avoids = |driver, gap_m| driven(driver, &standing(gap_m, 1.0)).avoids();
+        assert!(
+            avoids(ReferenceDriver::REGULATION, 41.3) && !avoids(ReferenceDriver::REGULATION, 40.3)
+        );
+        assert!(avoids(ReferenceDriver::CAREFUL, 48.5) && !avoids(ReferenceDriver::CAREFUL, 47.0));
     }
 
     #[test]
     fn the_driver_follows_a_vehicle_that_stops_gently() {
         let text = "[[actors]]\nname = \"car\"\ngap_m = 30\ninitial_speed_mps = 20\n\
             profile.steps = [{ time_s = 2, speed_mps = 0, acceleration_mps2 = 2 }]\n";
-        let driven = drive(Reference::REGULATION, text);
+        let driven = driven(ReferenceDriver::REGULATION, text);
         assert!(driven.avoids() && driven.clearance_m > 1.0, "{}", driven.clearance_m);
     }
 
     #[test]
     fn an_object_beside_the_lane_is_not_in_the_way() {
         let text = standing(60.0, 0.0) + "lateral_offset_m = 3.5\n";
-        let driven = drive(Reference::REGULATION, &text);
+        let driven = driven(ReferenceDriver::REGULATION, &text);
         assert_eq!(driven.clearance_m, f64::INFINITY);
         assert!(driven.avoids() && driven.value() < 0.0);
         assert_eq!(driven.samples.len(), 2001);

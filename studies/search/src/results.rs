@@ -225,7 +225,7 @@ impl Search {
         for (row, drives) in self.failures.iter().zip(&self.drives) {
             pictures.extend(pictures::of_drives(&row.file, &row.judged.requirement, drives));
         }
-        let pictures: String = pictures.iter().map(|picture| figure(picture.as_ref())).collect();
+        let pictures: String = pictures.into_iter().map(figure).collect();
         let grid = |pictures| format!("<div class=\"grid\">\n{pictures}</div>\n");
         let pictures = Some(pictures).filter(|drawn| !drawn.is_empty()).map(grid);
         let mut document = Document::new("search", &format!("Search in {place}"), self)

@@ -23,7 +23,7 @@ use crate::problem::{Problem, Value};
 use crate::record::{Judged, Record, judge};
 use crate::results::Search;
 use crate::rows::FailureRow;
-use crate::{SearchArguments, distinct};
+use crate::{SearchArguments, distinct, reference};
 
 /// Longest wait for a result before an interrupt is looked for.
 const LOOK: Duration = Duration::from_millis(50);
@@ -275,8 +275,8 @@ impl Runs {
         let mut verdicts = done.summary.requirements.iter();
         let decided = verdicts.find(|verdict| verdict.requirement == row.judged.requirement);
         let decided_s = decided.map(|verdict| verdict.at_s);
-        let reference = self.problem.reference.as_ref();
-        let reference = reference.map(|driver| driver.drive(&scenario, true).samples);
+        let reference = self.problem.reference;
+        let reference = reference.map(|driver| reference::drive(driver, &scenario, true).samples);
         Ok((row, Drives::new(&done.drive.steps, reference.unwrap_or_default(), decided_s)))
     }
 }

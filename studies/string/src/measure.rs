@@ -52,7 +52,6 @@ impl Norms {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     pub time_s: f64,
-    /// Speed of the car, m/s.
     pub speed_mps: f64,
     /// Speed of the vehicle ahead, m/s.
     pub ahead_mps: f64,

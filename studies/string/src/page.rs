@@ -1,6 +1,6 @@
 //! The result of a string with its pictures: positions and speeds of the cars, their gains, the limits.
 
-use report::chart::{Axis, Curve, Plot, Ribbon, Ribbons, Stroke, Tone};
+use report::chart::{Axis, Chart, Curve, Plot, Stroke, Tone};
 use report::html::{Tile, figure};
 use report::results::Document;
 use report::table::NONE;
@@ -19,7 +19,7 @@ const MAX_CURVES: usize = 6;
 pub fn document(results: &Results, driven: &[Driven]) -> Document {
     let until_s =
         driven.iter().flat_map(|car| &car.trace).map(|point| point[0]).fold(1.0, f64::max);
-    let motion = figure(&time_space(driven, until_s)) + &figure(&ribbons(driven, until_s));
+    let motion = figure(&time_space(driven, until_s)) + &figure(ribbons(driven, until_s));
     let laws = results.controllers.join(", ");
     let (count, scenario) = (cars_in_words(results.vehicles.len()), &results.scenario);
     let whole = results.vehicles.iter().all(Vehicle::reached_the_end);
@@ -99,17 +99,12 @@ fn time_space(cars: &[Driven], until_s: f64) -> Plot {
     Plot { height: SPACE_HEIGHT, ..plot }
 }
 
-fn ribbons(cars: &[Driven], until_s: f64) -> Ribbons {
-    let rows = cars.iter().map(|car| Ribbon {
-        values: car.trace.iter().map(|[time_s, _, speed_mps]| (*time_s, *speed_mps)).collect(),
-    });
-    Ribbons {
-        title: "Speeds of all cars".into(),
-        x: Axis::time(until_s),
-        rows_label: "car".into(),
-        unit: "m/s".into(),
-        rows: rows.collect(),
-    }
+fn ribbons(cars: &[Driven], until_s: f64) -> Chart {
+    let row = |car: &Driven| {
+        car.trace.iter().map(|[time_s, _, speed_mps]| (*time_s, *speed_mps)).collect()
+    };
+    let rows: Vec<Vec<(f64, f64)>> = cars.iter().map(row).collect();
+    report::chart::ribbons("Speeds of all cars", &Axis::time(until_s), "car", "m/s", &rows)
 }
 
 fn along(results: &Results) -> Plot {

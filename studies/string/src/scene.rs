@@ -47,7 +47,6 @@ impl Plan {
         self.laws[0].seed.value()
     }
 
-    /// The first car's scenario.
     pub fn first(&self) -> Scenario {
         self.law(0).clone()
     }

@@ -42,7 +42,6 @@ pub struct Point {
     pub request_mps2: Option<f64>,
     /// Gap to the vehicle ahead, m.
     pub gap_m: Option<f64>,
-    /// Its speed, m/s.
     pub lead_speed_mps: Option<f64>,
 }
 

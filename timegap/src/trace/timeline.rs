@@ -76,7 +76,6 @@ impl Timeline {
     }
 }
 
-/// The messages of `T`'s topic.
 fn messages<T: Message>(records: &[Record]) -> impl Iterator<Item = T> + '_ {
     records.iter().filter_map(Record::message)
 }

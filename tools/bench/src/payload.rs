@@ -99,7 +99,6 @@ impl BytesSender {
 pub struct BytesReceiver(Subscriber<Ipc, Payload, Stamp>);
 
 impl BytesReceiver {
-    /// Opens the service `name`.
     pub fn open(guest: &Guest, name: &str, peers: Peers) -> Result<Self, MachineError> {
         let port = (service(guest, name, peers)?.subscriber_builder()).create();
         Ok(Self(port.map_err(failed("make a receiver of payloads"))?))

@@ -149,7 +149,6 @@ fn times(stat: &str) -> Option<(u64, u64)> {
     Some((*ticks.get(7)?, ticks[..8].iter().sum()))
 }
 
-/// The kernel's preemption.
 pub fn kernel(release: &str, realtime: bool) -> Finding {
     const CHECK: &str = "kernel";
     if realtime {

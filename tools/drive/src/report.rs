@@ -33,7 +33,6 @@ pub enum Details {
     Link(Box<LinkReport>),
 }
 
-/// Reader of one service's details.
 type Reader = fn(&Payload) -> Option<Details>;
 
 /// Readers of the services' own figures. A service that is not here has no report.

@@ -31,9 +31,7 @@ pub struct DriveStep {
     pub step: u64,
     pub time_s: f64,
     pub position_m: f64,
-    /// Ego speed, m/s.
     pub speed_mps: f64,
-    /// Ego acceleration, m/s².
     pub acceleration_mps2: f64,
     /// Request that the actuators follow, after the gateway's bounds, m/s².
     pub applied_mps2: f64,
@@ -48,9 +46,7 @@ pub struct DriveStep {
     pub request_mps2: Option<f64>,
     /// Gap to the nearest vehicle in lane, m.
     pub gap_m: Option<f64>,
-    /// Speed of that vehicle, m/s.
     pub lead_speed_mps: Option<f64>,
-    /// Acceleration of that vehicle, m/s².
     pub lead_acceleration_mps2: Option<f64>,
     /// Place of that vehicle in the scenario's list of actors, from 0.
     pub lead: Option<u32>,

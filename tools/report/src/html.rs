@@ -4,7 +4,7 @@
 //! here that escapes its input. `format!` writes them, not a template engine. A macro crate would check the nesting of
 //! tags and add a compiler stage. The test of the finished page does the same for less.
 
-use super::chart::{Picture, escape, script_json};
+use super::chart::{Chart, escape, script_json};
 use std::fmt::Write;
 
 /// Licence of the library that draws the charts.
@@ -68,8 +68,9 @@ pub fn section(heading: &str, body: &str) -> String {
 }
 
 /// A picture with its title, as data that the page's script draws.
-pub fn figure(picture: &dyn Picture) -> String {
-    let (title, chart) = (escape(picture.title()), picture.chart());
+pub fn figure(picture: impl Into<Chart>) -> String {
+    let chart = picture.into();
+    let title = escape(&chart.title);
     let height = chart.height + CHART_FRAME_PX;
     format!(
         "<figure class=\"card chart\">\n<figcaption><h3>{title}</h3></figcaption>\n\

@@ -1,6 +1,7 @@
 //! Pictures of the drive over time: speed, gap, time gap, time to collision, acceleration, jerk, road, modes.
 
 use super::chart::{Axis, Bands, Curve, Mark, Plot, Row, Span, Strip, Stroke, Tone};
+use super::lateral::LateralSeries;
 use super::picture::{Phased, RunPicture};
 use scenario::v2x::Phase;
 
@@ -83,24 +84,28 @@ pub fn time_to_collision(run: &RunPicture) -> Option<Plot> {
     from_zero(run, "Time to collision", vec![Curve::new("time to collision", EGO, points)])
 }
 
+/// Height of a chart with one curve, px.
+const LOW_PX: f64 = 120.0;
+
+/// A low chart of one curve.
+fn low(run: &RunPicture, title: &str, unit: &str, tone: Tone, points: &[(f64, f64)]) -> Plot {
+    let curve = Curve::new(title, tone, points.to_vec());
+    let plot = Plot::over_time(title, run.duration_s, unit, vec![curve]).marked(&marks(run));
+    Plot { height: LOW_PX, ..plot }
+}
+
 pub fn jerk(run: &RunPicture) -> Plot {
-    let curve = Curve::new("jerk", EGO, run.jerk_mps3.clone());
-    Plot { height: 120.0, ..Plot::over_time("Jerk", run.duration_s, "m/s³", vec![curve]) }
-        .marked(&marks(run))
+    low(run, "Jerk", "m/s³", EGO, &run.jerk_mps3)
 }
 
 /// Height and grade of the road below the ego; empty on a level road.
 pub fn profile(run: &RunPicture) -> Vec<Plot> {
-    let plot = |title: &str, unit: &str, points: &[(f64, f64)]| {
-        let curve = Curve::new(title, Tone::Muted, points.to_vec());
-        Plot { height: 120.0, ..Plot::over_time(title, run.duration_s, unit, vec![curve]) }
-    };
     if run.height_m.is_empty() {
         return Vec::new();
     }
     vec![
-        plot("Height of the road", "m", &run.height_m).marked(&marks(run)),
-        plot("Grade of the road", "%", &run.grade_percent).marked(&marks(run)),
+        low(run, "Height of the road", "m", Tone::Muted, &run.height_m),
+        low(run, "Grade of the road", "%", Tone::Muted, &run.grade_percent),
     ]
 }
 
@@ -136,21 +141,18 @@ pub fn acceleration(run: &RunPicture) -> Plot {
 
 /// Gear, torque and brakes of a truck; empty for a car.
 pub fn powertrain(run: &RunPicture) -> Vec<Plot> {
-    let plot = |title: &str, unit: &str, tone: Tone, points: &[(f64, f64)]| {
-        let curve = Curve::new(title, tone, points.to_vec()).steps();
-        Plot { height: 120.0, ..Plot::over_time(title, run.duration_s, unit, vec![curve]) }
-    };
     let gears = Axis::counts("number", run.gear.iter().map(|point| point.1));
-    let plots = [
-        Plot { y: gears, ..plot("Gear", "number", EGO, &run.gear) },
-        plot("Engine torque", "kN m", REQUEST, &run.engine_torque_knm),
-        plot("Service brakes", "kN", AHEAD, &run.service_brake_kn),
+    let mut plots = vec![
+        Plot { y: gears, ..low(run, "Gear", "number", EGO, &run.gear) },
+        low(run, "Engine torque", "kN m", REQUEST, &run.engine_torque_knm),
+        low(run, "Service brakes", "kN", AHEAD, &run.service_brake_kn),
     ];
     // Leave out brakes that were never used.
-    let told = plots.into_iter().filter(|plot| {
+    plots.retain(|plot| {
         plot.curves.iter().flat_map(|curve| &curve.points).any(|point| point.1 != 0.0)
     });
-    told.map(|plot| plot.marked(&marks(run))).collect()
+    plots.iter_mut().flat_map(|plot| &mut plot.curves).for_each(|curve| curve.steps = true);
+    plots
 }
 
 /// True if the gateway changed a request before the actuators.
@@ -280,33 +282,23 @@ pub fn marks(run: &RunPicture) -> Vec<Mark> {
     faults.chain(decided).collect()
 }
 
-/// Height of a chart, px.
-const LATERAL_HEIGHT: f64 = 120.0;
-
 /// Curvature of the road, lateral acceleration and lateral jerk; empty where the road has no plan.
 pub fn lateral(run: &RunPicture) -> Vec<Plot> {
-    let lateral = &run.lateral;
-    if lateral.curvature_perkm.is_empty() {
+    let LateralSeries { curvature_perkm, acceleration_mps2, jerk_mps3 } = &run.lateral;
+    if curvature_perkm.is_empty() {
         return Vec::new();
     }
-    let plot = |title: &str, unit: &str, tone: Tone, points: &[(f64, f64)]| {
-        let curve = Curve::new(title, tone, points.to_vec());
-        let plot = Plot::over_time(title, run.duration_s, unit, vec![curve]);
-        Plot { height: LATERAL_HEIGHT, ..plot }.marked(&marks(run))
-    };
-    let ego = Tone::Series(0);
     vec![
-        plot("Curvature of the road, left positive", "1/km", Tone::Muted, &lateral.curvature_perkm),
-        plot("Lateral acceleration", "m/s²", ego, &lateral.acceleration_mps2),
-        plot("Lateral jerk, mean over 0.5 s", "m/s³", ego, &lateral.jerk_mps3),
+        low(run, "Curvature of the road, left positive", "1/km", Tone::Muted, curvature_perkm),
+        low(run, "Lateral acceleration", "m/s²", EGO, acceleration_mps2),
+        low(run, "Lateral jerk, mean over 0.5 s", "m/s³", EGO, jerk_mps3),
     ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::{Picture, script_json};
-    use crate::lateral::LateralSeries;
+    use crate::chart::{Chart, script_json};
     use crate::picture::{ActorPath, Decided, FaultMark, SignalPhases};
 
     /// A run with a fault, a cut-in, a signal and a bounded request.
@@ -357,7 +349,7 @@ mod tests {
     #[test]
     fn the_road_shows_signals_and_cars_beside_the_lane() {
         let plot = road(&synthetic());
-        let text = script_json(&plot.chart());
+        let text = script_json(&Chart::from(&plot));
         for label in ["ego, front", "\\u003ccar>, rear, beside the lane", "green", "red (thick)"] {
             assert!(text.contains(&format!("\"label\":\"{label}\"")), "{label} in {text}");
         }
@@ -369,19 +361,19 @@ mod tests {
     fn faults_and_requirements_are_marked_in_every_picture() {
         let decided = vec![Decided { at_s: 5.5, letter: 'A', met: true }];
         let run = RunPicture { decided, ..synthetic() };
-        let pictures: [&dyn Picture; 7] = [
-            &speed(&run),
-            &gap(&run).expect("a gap"),
-            &time_gap(&run).expect("a time gap"),
-            &time_to_collision(&run).expect("it approached"),
-            &acceleration(&run),
-            &jerk(&run),
-            &road(&run),
+        let plots = [
+            speed(&run),
+            gap(&run).expect("a gap"),
+            time_gap(&run).expect("a time gap"),
+            time_to_collision(&run).expect("it approached"),
+            acceleration(&run),
+            jerk(&run),
+            road(&run),
         ];
-        for picture in pictures {
-            let marks = picture.chart().marks;
+        for plot in plots {
+            let chart = Chart::from(&plot);
             let expected = [(3.0, "1".to_owned(), "alarm"), (5.5, "A".to_owned(), "muted")];
-            assert_eq!(marks, expected, "{}", picture.title());
+            assert_eq!(chart.marks, expected, "{}", chart.title);
         }
     }
 

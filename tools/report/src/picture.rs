@@ -22,17 +22,12 @@ pub type Points = Vec<(f64, f64)>;
 pub struct RunPicture {
     /// Run time reached, s.
     pub duration_s: f64,
-    /// The driver's set speed, m/s.
     pub set_speed_mps: f64,
-    /// Legal limit, m/s.
     pub speed_limit_mps: Option<f64>,
     /// Ego front bumper along the road, m.
     pub position_m: Points,
-    /// Ego speed, m/s.
     pub speed_mps: Points,
-    /// Ego acceleration, m/s².
     pub acceleration_mps2: Points,
-    /// Request of each command, m/s².
     pub request_mps2: Points,
     /// Request after the gateway's bounds, m/s².
     pub applied_mps2: Points,

@@ -17,7 +17,6 @@ pub struct RoadView {
     lines: Vec<Line>,
 }
 
-/// A line in the plane, m.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct Line {
     x: Vec<f64>,

@@ -132,7 +132,6 @@ impl PartFile {
         Ok(part.map_err(|reason| UsageError::at(path.display(), reason, EXPECTED))?)
     }
 
-    /// The file's text.
     pub fn text(&self) -> String {
         serde_json::to_string_pretty(self).expect("plain data") + "\n"
     }

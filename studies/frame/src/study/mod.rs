@@ -133,6 +133,5 @@ pub trait Study: Sized + Sync {
         Vec::new()
     }
 
-    /// Judges the records.
     fn judge(&self, found: Found<Self>) -> Result<Document, Error>;
 }

@@ -126,7 +126,6 @@ fn part_of<S: Study>(
     Ok(PartFile::new(S::NAME, arguments, group, (study.runs(), &study.subject()?), shard))
 }
 
-/// Options of runs with a part's programs.
 fn options_of(part: &PartFile) -> RunOptions {
     RunOptions {
         shard: None,

@@ -130,7 +130,6 @@ fn axis(key: &str) -> String {
     }
 }
 
-/// A key's value in a legend.
 fn in_words(key: &str, value: &str) -> String {
     match name(key) {
         (words, Some(unit)) => format!("{words} {value} {unit}"),

@@ -25,7 +25,6 @@ pub enum Measure {
     Crossing,
     /// Distance or spacing error, m.
     Distance,
-    /// Speed error, m/s.
     Speed,
     /// Time for which a request was held, or its start, s.
     Duration,
@@ -130,7 +129,6 @@ const GAP_A: Tolerance = within(0.5, SPAN);
 const GAP_C: Tolerance = within(1.3, SPAN);
 /// Speed error: -4.5 to 9.3 m/s in A, 15 m/s in C.
 const SPEEDS: Tolerance = within(0.3, SPAN);
-/// Acceleration and request: ±4.9 m/s².
 const ACCELERATION: Tolerance = within(0.2, SPAN);
 /// Times of a plot over 10 s.
 const TIME: Tolerance = within(0.2, SPAN);

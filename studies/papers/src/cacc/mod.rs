@@ -38,7 +38,6 @@ pub struct Scene {
 
 const FITTED_TO_A: Weights = set(19.5, 29.5, 1.29, 1.16e5, 43.8);
 
-/// The paper's scenes.
 pub static SCENES: [Scene; 4] = [
     Scene { name: "A", scenario: "cacc-a", line_m: 80.0, switch_s: 5.0, fitted: FITTED_TO_A },
     Scene { name: "B", scenario: "cacc-b", line_m: 80.0, switch_s: 5.0, fitted: FITTED_TO_A },

@@ -16,7 +16,6 @@ use super::corridor::Corridor;
 use super::lead::Signal;
 
 const STEP_S: f64 = 0.5;
-/// Step of the speed, m/s.
 const SPEED_STEP_MPS: f64 = 0.25;
 /// Largest acceleration and deceleration, m/s².
 const ACCELERATION_MPS2: f64 = 2.0;

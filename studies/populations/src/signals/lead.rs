@@ -24,9 +24,7 @@ const DRIVER: Driver = Driver { acceleration_mps2: 2.0, deceleration_mps2: 1.7, 
 pub struct Traits {
     /// Gap from the ego at the start, m.
     pub gap_m: f64,
-    /// Speed at the start, m/s.
     pub speed_mps: f64,
-    /// Desired speed, m/s.
     pub desired_mps: f64,
     /// Share by which that speed varies, and the period, s.
     pub waves: (f64, f64),

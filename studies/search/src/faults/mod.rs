@@ -24,7 +24,7 @@ use crate::method::{Sobol, seed_of};
 use crate::minimal::{self, Held, Seeds, Trial};
 use crate::problem::{Problem, Value};
 use crate::record::{Judged, judge};
-use crate::reference::Reference;
+use crate::reference;
 use crate::results::{Search, repeated};
 use crate::rows::FaultRow;
 use candidates::{BEGIN, Candidate, LASTS, SIZE, candidates};
@@ -67,8 +67,9 @@ impl Study for Faults {
         let mut base = Problem::new(&arguments.scenario, &arguments.scenario_options)?;
         let laws = &arguments.scenario_options.laws;
         laws.expect_all_in(&[base.nominal.controller.name.as_str()])?;
-        let reference = Reference::named(arguments.reference.unwrap_or_default());
-        if reference.is_some_and(|driver| !driver.drive(&base.nominal, false).avoids()) {
+        let reference = arguments.reference.unwrap_or_default().driver();
+        if reference.is_some_and(|driver| !reference::drive(driver, &base.nominal, false).avoids())
+        {
             let why = "the reference driver does not avoid the scenario itself";
             return Err(UsageError::at("--faults", why, "a milder one, or --reference none").into());
         }

@@ -12,7 +12,7 @@ use toml::{Table, Value as Toml};
 use super::term::{FaultChoice, Rule, Term};
 use super::variable::{Domain, Value};
 use super::{FAULT, NO_FAULT, Problem, SearchError};
-use crate::reference::{Reference, ReferenceName};
+use crate::reference::ReferenceName;
 
 /// Longest search file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -124,7 +124,7 @@ impl File {
             UsageError { place, ..error }
         })?;
         self.name.as_str().clone_into(&mut problem.name);
-        problem.reference = Reference::named(self.reference);
+        problem.reference = self.reference.driver();
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
         problem.stated = self.probability.map(|stated| (stated, folder));
         Ok(problem)

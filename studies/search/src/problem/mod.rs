@@ -21,12 +21,14 @@ use std::path::{Path, PathBuf};
 use gaussian_process::Kind;
 use runtime::Mode;
 use scenario::{Scenario, Setting, faults};
-use supervise::{Error, Failure, GroupOptions, Opening, ScenarioOptions, UsageError};
+use supervise::{
+    Error, Failure, GroupOptions, Opening, ReferenceDriver, ScenarioOptions, UsageError,
+};
 use thiserror::Error;
 
 use crate::SearchArguments;
 use crate::method::MOST_VARIABLES;
-use crate::reference::{MOST, Reference};
+use crate::reference::{self, MOST};
 
 /// Name of the variable that chooses a fault.
 pub const FAULT: &str = "fault";
@@ -42,7 +44,7 @@ pub struct Problem {
     /// The variables, in the order of a point's coordinates.
     pub variables: Vec<Variable>,
     /// The driver who must be able to avoid a scene that counts; none: every scene counts.
-    pub reference: Option<Reference>,
+    pub reference: Option<ReferenceDriver>,
     /// The scenario with every variable at its nominal value, without a fault of `[[faults]]`.
     pub nominal: Scenario,
     opening: Opening,
@@ -93,7 +95,7 @@ impl Problem {
             problem.vary(argument)?;
         }
         if let Some(reference) = arguments.reference {
-            problem.reference = Reference::named(reference);
+            problem.reference = reference.driver();
         }
         let problem = problem.with_choice_of_fault();
         let count = problem.dimensions();
@@ -120,7 +122,7 @@ impl Problem {
         Ok(Self {
             name: stem.to_string_lossy().into_owned(),
             variables: Vec::new(),
-            reference: Some(Reference::REGULATION),
+            reference: Some(ReferenceDriver::REGULATION),
             written: toml::Table::try_from(&nominal).unwrap_or_default(),
             nominal,
             opening,
@@ -240,7 +242,7 @@ impl Problem {
 
     /// Value of a scene by the reference alone, tolerances. It is above 0 where the driver does not avoid the scene.
     pub fn by_reference(&self, scenario: &Scenario) -> f64 {
-        self.reference.map_or(-MOST, |driver| driver.drive(scenario, false).value())
+        self.reference.map_or(-MOST, |driver| reference::drive(driver, scenario, false).value())
     }
 
     /// The same at a point. Below 0 the point is admissible.

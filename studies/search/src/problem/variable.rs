@@ -37,7 +37,6 @@ pub enum Value {
     Word(String),
 }
 
-/// A text that is not a domain.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DomainError {
     #[error(transparent)]

@@ -1,7 +1,7 @@
 //! The classic picture of the cut-ins. For each pair of speeds it shows the cases that end in a collision, over
 //! distance and lateral speed. It also shows the edges of the models' regions.
 
-use report::chart::{Axis, Cells, Edges, FilledCell, Stroke, Tone};
+use report::chart::{Axis, Edges, Stroke, Tone, cells};
 use report::html::figure;
 
 use super::matrix::Case;
@@ -29,20 +29,35 @@ pub fn of(judged: &Judged) -> Vec<(String, String)> {
     drivers.collect()
 }
 
+/// The regions of a pair of speeds: title and axes of its picture, and the edges of each model's region.
+struct Regions {
+    title: String,
+    x: Axis,
+    y: Axis,
+    edges: Vec<Edges>,
+}
+
 /// A picture for each pair of speeds with a collision.
 fn pictures(
-    pairs: &[(&[(usize, &cut_in::Case)], Cells)],
+    pairs: &[(&[(usize, &cut_in::Case)], Regions)],
     outcome: &dyn Fn(usize) -> Outcome,
 ) -> String {
     let (mut html, mut empty) = (String::new(), 0);
     for (cases, regions) in pairs {
         let ends = cases.iter().map(|(index, case)| (case, outcome(*index)));
         let collisions = ends.filter(|(_, end)| end.is_collision());
-        let cells: Vec<_> = collisions.map(|(case, end)| cell(case, end)).collect();
-        match cells.is_empty() {
-            true => empty += 1,
-            false => html += &figure(&Cells { cells, ..regions.clone() }),
+        let (side, rear): (Vec<_>, Vec<_>) = collisions.partition(|(_, end)| *end == Outcome::Side);
+        if side.is_empty() && rear.is_empty() {
+            empty += 1;
+            continue;
         }
+        let corners = |ends: &[(&&cut_in::Case, Outcome)]| -> Vec<_> {
+            ends.iter().map(|(case, _)| cell(case)).collect()
+        };
+        let kinds =
+            [("rear-end", Tone::Alarm, corners(&rear)), ("side", Tone::Clear, corners(&side))];
+        let Regions { title, x, y, edges } = regions;
+        html += &figure(cells(title, (x, y), &kinds, edges));
     }
     format!(
         "<p class=\"quiet\">{empty} other pairs of speeds have no collision</p>\n\
@@ -50,8 +65,7 @@ fn pictures(
     )
 }
 
-/// The picture of a pair of speeds without collisions: the edges of the models' regions.
-fn regions((ego_kmh, other_kmh): (u32, u32)) -> Cells {
+fn regions((ego_kmh, other_kmh): (u32, u32)) -> Regions {
     let (distances_m, step_m) = cut_in::distances_m(ego_kmh);
     let distances_m: Vec<u32> = distances_m.collect();
     let laterals = cut_in::LATERAL_TENTHS_MPS;
@@ -81,24 +95,19 @@ fn regions((ego_kmh, other_kmh): (u32, u32)) -> Cells {
             pieces: edges(&x, &y, &has),
         }
     });
-    Cells {
+    Regions {
         title: format!("{ego_kmh} km/h behind {other_kmh} km/h"),
         edges: edges.collect(),
-        cells: Vec::new(),
-        kinds: vec![("rear-end".into(), Tone::Alarm), ("side".into(), Tone::Clear)],
         x: Axis::linear("distance, m", 0.0, x[x.len() - 1]),
         y: Axis::linear("lateral speed, m/s", y[0], y[y.len() - 1]),
     }
 }
 
-fn cell(case: &cut_in::Case, outcome: Outcome) -> FilledCell {
+/// Lower left and upper right corner of a case's cell.
+fn cell(case: &cut_in::Case) -> [(f64, f64); 2] {
     let half_m = cut_in::distances_m(case.ego_kmh).1 as f64 / 2.0;
     let (distance_m, lateral_mps) = (f64::from(case.distance_m), case.lateral_mps());
-    FilledCell {
-        from: (distance_m - half_m, lateral_mps - 0.05),
-        to: (distance_m + half_m, lateral_mps + 0.05),
-        kind: usize::from(outcome == Outcome::Side),
-    }
+    [(distance_m - half_m, lateral_mps - 0.05), (distance_m + half_m, lateral_mps + 0.05)]
 }
 
 /// The edges of a region of cells, as long as they are straight. `x` and `y` are the corners. `has` takes column and
@@ -137,8 +146,8 @@ mod tests {
     fn a_cell_lies_around_its_case_and_the_models_regions_are_drawn() {
         let case =
             cut_in::Case { ego_kmh: 90, other_kmh: 10, distance_m: 21, lateral_tenths_mps: 5 };
-        let FilledCell { from, to, kind } = cell(&case, Outcome::Side);
-        assert_eq!((from.0, to.0, kind), (20.0, 22.0, 1));
+        let [from, to] = cell(&case);
+        assert_eq!((from.0, to.0), (20.0, 22.0));
         assert!((from.1 - 0.45).abs() < 1e-12 && (to.1 - 0.55).abs() < 1e-12);
         let picture = regions((case.ego_kmh, case.other_kmh));
         assert!(picture.edges.iter().all(|edges| !edges.pieces.is_empty()));

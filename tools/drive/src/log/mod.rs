@@ -320,7 +320,6 @@ impl DriveLog {
         self.late_commands
     }
 
-    /// The controller's cycles.
     pub fn history(&self) -> &CycleHistory {
         &self.history
     }

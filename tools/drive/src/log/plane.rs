@@ -42,7 +42,6 @@ pub struct EgoPlace {
     pub lateral_m: f64,
     /// Curvature of the axis there, 1/m.
     pub curvature_perm: f64,
-    /// Lateral acceleration, m/s².
     pub lateral_acceleration_mps2: f64,
 }
 
@@ -58,7 +57,6 @@ pub struct Body {
     pub width_m: f64,
     /// Position of the rear bumper on the axis, m.
     pub rear_position_m: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
     /// Its body reaches into the ego's lane.
     pub in_lane: bool,

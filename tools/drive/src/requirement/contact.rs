@@ -64,7 +64,6 @@ pub(super) fn finding(evidence: &Evidence<'_>, closest: Option<&Closest>) -> Fin
 pub struct ReferenceDriver {
     /// Time from the need to the braking, s.
     pub reaction_s: f64,
-    /// Deceleration, m/s².
     pub deceleration_mps2: f64,
     /// Growth of the deceleration, m/s³; infinite: at once.
     pub jerk_mps3: f64,

@@ -88,7 +88,6 @@ fn driver(evidence: &Evidence<'_>) -> ReferenceDriver {
     ReferenceDriver::REGULATION.with_brakes(brakes_mps2)
 }
 
-/// Drives from `need` on to a stand.
 fn margin(driver: ReferenceDriver, need: &DriveStep, others: &Others<'_>) -> Margin {
     let ReferenceDriver { reaction_s, deceleration_mps2: a, .. } = driver;
     let v = need.speed_mps;

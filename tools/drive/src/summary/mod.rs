@@ -64,7 +64,6 @@ pub struct Summary {
     pub control: Control,
     /// Cycles by who commanded; null without the controller's report.
     pub law: Option<LawAccount>,
-    /// Verdicts on the scenario's requirements.
     pub requirements: Vec<RequirementVerdict>,
     /// Latencies, jitter and deadlines.
     pub timing: Timing,

@@ -80,7 +80,6 @@ pub struct Passing {
     pub time_s: f64,
     /// Position of the front, m.
     pub place_m: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
 }
 
@@ -122,7 +121,6 @@ impl Passing {
     }
 }
 
-/// Greatest acceleration at a speed, m/s².
 fn acceleration_mps2(plant: &Plant, speed_mps: f64) -> f64 {
     let most = plant.max_acceleration_mps2.value();
     plant.powertrain.map_or(most, |powertrain| {

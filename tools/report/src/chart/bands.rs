@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::data::{Chart, Series};
-use super::{Mark, Picture, Stroke, Tone};
+use super::{Mark, Stroke, Tone};
 
 /// Height of a row, px: its name above its bar or line.
 const ROW_PX: f64 = 42.0;
@@ -31,7 +31,7 @@ pub struct Row {
 /// Rows over one axis.
 ///
 /// ```
-/// use report::chart::{Axis, Bands, Picture, Row, Span, Tone};
+/// use report::chart::{Axis, Bands, Chart, Row, Span, Tone};
 ///
 /// let span = |from, to, label: &str, tone| Span { from, to, label: label.into(), tone };
 /// let spans = vec![
@@ -40,7 +40,7 @@ pub struct Row {
 /// ];
 /// let rows = vec![Row { name: "mode of the law".into(), spans }];
 /// let bands = Bands { title: "Modes".into(), x: Axis::time(20.0), rows, marks: Vec::new() };
-/// assert_eq!(bands.chart().series.len(), 2, "one entry of the legend per label");
+/// assert_eq!(Chart::from(&bands).series.len(), 2, "one entry of the legend per label");
 /// ```
 #[derive(Clone, Debug)]
 pub struct Bands {
@@ -55,17 +55,14 @@ pub struct Bands {
 /// Spans of one label and colour, as boxes from corner to corner.
 type Boxes<'a> = ((&'a str, Tone), Vec<[(f64, f64); 2]>);
 
-impl Picture for Bands {
-    fn title(&self) -> &str {
-        &self.title
-    }
-
+impl From<&Bands> for Chart {
     /// A series for each label and colour, in order of appearance.
-    fn chart(&self) -> Chart {
-        let count = self.rows.len() as f64;
+    fn from(bands: &Bands) -> Self {
+        let Bands { title, x, rows, marks } = bands;
+        let count = rows.len() as f64;
         let y = Axis::linear("", 0.0, count.max(1.0));
         let mut kinds: Vec<Boxes<'_>> = Vec::new();
-        for (index, row) in self.rows.iter().enumerate() {
+        for (index, row) in rows.iter().enumerate() {
             let floor = count - 1.0 - index as f64;
             for span in &row.spans {
                 let corners = [(span.from, floor + BAR.0), (span.to, floor + BAR.1)];
@@ -76,14 +73,51 @@ impl Picture for Bands {
                 }
             }
         }
-        let mut chart = Chart::new(&self.x, &y, ROW_PX * count).marked(&self.marks);
-        chart.y.rows = Some(self.rows.iter().map(|row| row.name.clone()).collect());
-        let series = kinds
-            .iter()
-            .map(|((label, tone), boxes)| Series::boxes(label, *tone, boxes, (&self.x, &y)));
+        let mut chart = Self::new(title, x, &y, ROW_PX * count).marked(marks);
+        chart.y.rows = Some(rows.iter().map(|row| row.name.clone()).collect());
+        let series =
+            kinds.iter().map(|((label, tone), boxes)| Series::boxes(label, *tone, boxes, (x, &y)));
         chart.series = series.collect();
         chart
     }
+}
+
+/// Height of a row's line in it, as a share of the row.
+const LINE: f64 = 0.2;
+/// Widths of the lines of the first kinds, px; further kinds have the last one. They differ in grey too.
+const WIDTHS_PX: [f64; 3] = [2.0, 1.4, 0.7];
+
+/// Many lines over the same rows, from top to bottom. A line has a place from 0 to 1 on each row. The first kind is on top.
+///
+/// ```
+/// use report::chart::{Tone, parallel};
+///
+/// let rows = ["speed: 12..36".to_owned(), "gap: 5..80".to_owned()];
+/// let kinds = [("failure", Tone::Alarm, vec![&[0.9, 0.1][..]]), ("others", Tone::Muted, vec![])];
+/// assert_eq!(parallel("Runs", &rows, &kinds).series.len(), 1, "a kind without a line has no entry");
+/// ```
+pub fn parallel(title: &str, rows: &[String], kinds: &[(&str, Tone, Vec<&[f64]>)]) -> Chart {
+    let count = rows.len() as f64;
+    let x = Axis::linear("share of the range", 0.0, 1.0);
+    let y = Axis::linear("", 0.0, count.max(1.0));
+    let mut chart = Chart::new(title, &x, &y, ROW_PX * count);
+    chart.y.rows = Some(rows.to_vec());
+    chart.y.row_line = Some(LINE);
+    for (kind, (label, tone, lines)) in kinds.iter().enumerate() {
+        let place = |(row, share): (usize, &f64)| (*share, count - 1.0 - row as f64 + LINE);
+        // A gap after each line.
+        let points = |line: &&[f64]| {
+            let points: Vec<_> = line.iter().enumerate().map(place).collect();
+            points.into_iter().chain([(0.0, f64::NAN)])
+        };
+        let points: Vec<(f64, f64)> = lines.iter().flat_map(points).collect();
+        if !points.is_empty() {
+            let width = WIDTHS_PX[kind.min(WIDTHS_PX.len() - 1)];
+            let name = (*label, *tone, Stroke::Solid);
+            chart.series.push(Series::line(name, (width, false), &points, (&x, &y)));
+        }
+    }
+    chart
 }
 
 #[cfg(test)]
@@ -100,7 +134,7 @@ mod tests {
         ];
         let rows = vec![Row { name: "mode".into(), spans }];
         let bands = Bands { title: "Modes".into(), x: Axis::time(10.0), rows, marks: Vec::new() };
-        let chart = bands.chart();
+        let chart = Chart::from(&bands);
         let label = |series: &Series| match series {
             Series::Box { label, .. } => label.clone(),
             other => panic!("{other:?}"),
@@ -108,74 +142,5 @@ mod tests {
         let labels: Vec<_> = chart.series.iter().map(label).collect();
         assert_eq!(labels, ["cruise", "follow"]);
         assert_eq!(chart.y.rows.as_deref(), Some(&["mode".to_owned()][..]));
-    }
-}
-
-/// Height of a row's line in it, as a share of the row.
-const LINE: f64 = 0.2;
-/// Widths of the lines of the first kinds, px; further kinds have the last one. They differ in grey too.
-const WIDTHS_PX: [f64; 3] = [2.0, 1.4, 0.7];
-
-/// A line: one value in each row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Polyline {
-    /// Places on the rows, from 0 to 1.
-    pub shares: Vec<f64>,
-    /// Index of its kind in [`Parallel::kinds`].
-    pub kind: usize,
-}
-
-/// Many lines over the same rows.
-///
-/// ```
-/// use report::chart::{Parallel, Picture, Polyline, Tone};
-///
-/// let picture = Parallel {
-///     title: "Runs".into(),
-///     rows: vec!["speed: 12..36".into(), "gap: 5..80".into()],
-///     kinds: vec![("failure".into(), Tone::Alarm), ("others".into(), Tone::Muted)],
-///     lines: vec![Polyline { shares: vec![0.9, 0.1], kind: 0 }],
-/// };
-/// assert_eq!(picture.chart().series.len(), 1, "a kind without a line has no entry");
-/// ```
-#[derive(Clone, Debug)]
-pub struct Parallel {
-    pub title: String,
-    /// Names of the rows, from top to bottom.
-    pub rows: Vec<String>,
-    /// Kinds of lines: label and colour. The first is on top.
-    pub kinds: Vec<(String, Tone)>,
-    pub lines: Vec<Polyline>,
-}
-
-impl Picture for Parallel {
-    fn title(&self) -> &str {
-        &self.title
-    }
-
-    fn chart(&self) -> Chart {
-        let count = self.rows.len() as f64;
-        let (x, y) =
-            (Axis::linear("share of the range", 0.0, 1.0), Axis::linear("", 0.0, count.max(1.0)));
-        let mut chart = Chart::new(&x, &y, ROW_PX * count);
-        chart.y.rows = Some(self.rows.clone());
-        chart.y.row_line = Some(LINE);
-        for (kind, (label, tone)) in self.kinds.iter().enumerate() {
-            let lines = self.lines.iter().filter(|line| line.kind == kind);
-            let points: Vec<(f64, f64)> = lines
-                .flat_map(|line| {
-                    let place =
-                        |(row, share): (usize, &f64)| (*share, count - 1.0 - row as f64 + LINE);
-                    // A gap after each line.
-                    line.shares.iter().enumerate().map(place).chain([(0.0, f64::NAN)])
-                })
-                .collect();
-            if !points.is_empty() {
-                let name = (label.as_str(), *tone, Stroke::Solid);
-                let width = WIDTHS_PX[kind.min(WIDTHS_PX.len() - 1)];
-                chart.series.push(Series::line(name, (width, false), &points, (&x, &y)));
-            }
-        }
-        chart
     }
 }

@@ -15,6 +15,9 @@ const STEPS: f64 = 20_000.0;
 
 #[derive(Debug, Serialize)]
 pub struct Chart {
+    /// Title, with the unit if all axes share it.
+    #[serde(skip)]
+    pub title: String,
     pub x: AxisData,
     pub y: AxisData,
     /// Height of the axes, px.
@@ -32,10 +35,10 @@ pub struct Chart {
 
 impl Chart {
     /// A chart without series.
-    pub fn new(x: &Axis, y: &Axis, height: f64) -> Self {
-        let (marks, texts) = (Vec::new(), Vec::new());
+    pub fn new(title: &str, x: &Axis, y: &Axis, height: f64) -> Self {
+        let (title, marks, texts) = (title.to_owned(), Vec::new(), Vec::new());
         let (x, y) = (AxisData::from(x), AxisData::from(y));
-        Self { x, y, height, series: Vec::new(), map: None, marks, texts }
+        Self { title, x, y, height, series: Vec::new(), map: None, marks, texts }
     }
 
     pub fn marked(self, marks: &[Mark]) -> Self {

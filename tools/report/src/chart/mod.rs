@@ -1,23 +1,22 @@
 //! Pictures as data, which the page's script draws (`assets/charts.js` with `assets/shapes.js`).
 //!
-//! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles). It has marks by numbers or letters, and strips, such as a signal's phases at its stop line. A curve need not be a function of the horizontal
-//!   value.
-//! * [`Cells`]: filled cells of a grid over two axes, with edges.
-//! * [`Scatter`]: points of some kinds over two axes.
+//! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles). It has marks by numbers or letters, and
+//!   strips, such as a signal's phases at its stop line. A curve need not be a function of the horizontal value.
+//! * [`scatter`] and [`cells`]: points, or filled cells of a grid, of some kinds over two axes, with edges.
 //! * [`Bands`]: rows of labelled spans over one axis: modes over time, the parts of a chain.
-//! * [`Parallel`]: lines through one value a row, such as the variables of many runs.
-//! * [`Ribbons`]: rows coloured by a value along one axis: speeds of many vehicles over time.
+//! * [`parallel`]: lines through one value a row, such as the variables of many runs.
+//! * [`ribbons`]: rows coloured by a value along one axis: speeds of many vehicles over time.
 //!
 //! A picture becomes a [`Chart`]: series over two axes, with the points that a screen can show. The script
 //! takes every colour from the page's style sheet, so that one page serves light, dark and paper.
 //!
 //! ```
-//! use report::chart::{Curve, Picture, Plot, Tone, script_json};
+//! use report::chart::{Chart, Curve, Plot, Tone, script_json};
 //!
 //! let speed_mps = vec![(0.0, 20.0), (5.0, 25.0), (10.0, 25.0)];
 //! let ego = Curve::new("ego", Tone::Series(0), speed_mps);
 //! let plot = Plot::over_time("Speed", 10.0, "m/s", vec![ego]);
-//! let data = script_json(&plot.chart());
+//! let data = script_json(&Chart::from(&plot));
 //! assert!(data.contains("\"label\":\"ego\""));
 //! ```
 
@@ -30,11 +29,11 @@ mod plot;
 mod ribbons;
 
 pub use axis::{Axis, number};
-pub use bands::{Bands, Parallel, Polyline, Row, Span};
-pub use cells::{Cells, Dot, Edges, FilledCell, Scatter};
+pub use bands::{Bands, Row, Span, parallel};
+pub use cells::{Edges, cells, scatter};
 pub use data::{Chart, escape, script_json};
 pub use plot::{Curve, Plot, Strip};
-pub use ribbons::{Ribbon, Ribbons};
+pub use ribbons::ribbons;
 
 /// A colour by its meaning; the style sheet defines how it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,12 +100,4 @@ impl Mark {
     pub fn numbered(x: f64, number: usize) -> Self {
         Self { x, label: number.to_string(), tone: Tone::Alarm }
     }
-}
-
-/// A picture that can be drawn.
-pub trait Picture {
-    /// Title, with the unit if all axes share it.
-    fn title(&self) -> &str;
-    /// The picture as data.
-    fn chart(&self) -> Chart;
 }

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::data::{Chart, Column, Series, Text};
-use super::{Mark, Picture, Stroke, Tone};
+use super::{Mark, Stroke, Tone};
 
 /// Width of a curve, px.
 const LINE_PX: f64 = 2.0;
@@ -116,26 +116,22 @@ impl Plot {
     }
 }
 
-impl Picture for Plot {
-    fn title(&self) -> &str {
-        &self.title
-    }
-
-    fn chart(&self) -> Chart {
-        let axes = (&self.x, &self.y);
-        let lines = self.curves.iter().map(|curve| {
+impl From<&Plot> for Chart {
+    fn from(plot: &Plot) -> Self {
+        let axes = (&plot.x, &plot.y);
+        let lines = plot.curves.iter().map(|curve| {
             let covering = curve.covered_by.min(MOST_COVERING) as f64;
             let width = if curve.is_thin { THIN_PX } else { LINE_PX + COVERED_PX * covering };
             let name = (curve.name.as_str(), curve.tone, curve.stroke);
             Series::line(name, (width, curve.steps), &curve.points, axes)
         });
-        let bars = self.strip_keys.iter().map(|(label, tone)| self.bar(label, *tone));
-        let texts = self.strips.iter();
+        let bars = plot.strip_keys.iter().map(|(label, tone)| plot.bar(label, *tone));
+        let texts = plot.strips.iter();
         let texts = texts.map(|strip| Text { y: strip.y, label: strip.label.clone() });
-        Chart {
+        Self {
             series: lines.chain(bars).collect(),
             texts: texts.collect(),
-            ..Chart::new(&self.x, &self.y, self.height).marked(&self.marks)
+            ..Self::new(&plot.title, &plot.x, &plot.y, plot.height).marked(&plot.marks)
         }
     }
 }
@@ -178,7 +174,7 @@ mod tests {
         let points = (0..1000).map(|i| (f64::from(i) / 100.0, f64::from(i) / 100.0)).collect();
         let mut plot = plot(points);
         plot.curves[0].covered_by = 1;
-        let chart = plot.chart();
+        let chart = Chart::from(&plot);
         let [Series::Line { x: Column::Differences { v, .. }, width, .. }] =
             chart.series.as_slice()
         else {
@@ -189,8 +185,8 @@ mod tests {
 
     #[test]
     fn a_plot_of_nothing_still_has_its_axes() {
-        let text = super::super::script_json(&plot(Vec::new()).chart());
+        let text = super::super::script_json(&Chart::from(&plot(Vec::new())));
         assert!(text.contains("m/s") && text.contains("time, s"), "{text}");
-        assert!(plot(Vec::new()).chart().series.is_empty(), "an empty curve has no legend");
+        assert!(Chart::from(&plot(Vec::new())).series.is_empty(), "an empty curve has no legend");
     }
 }

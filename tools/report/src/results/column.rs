@@ -96,7 +96,6 @@ pub const fn number<R>(
     column(name, heading, unit, Format::Decimals(decimals), meaning)
 }
 
-/// A duration in µs.
 pub const fn micros<R>(name: Text, heading: Text, meaning: Text) -> Column<R> {
     column(name, heading, "", Format::Duration, meaning)
 }

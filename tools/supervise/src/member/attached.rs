@@ -96,7 +96,6 @@ impl Attached {
         self.silence.broken(cycles, now_ns);
     }
 
-    /// Looks at a standby's progress.
     pub fn look_at_progress(&mut self, now_ns: i64) {
         if let Some(progress) = &self.progress {
             let cycles = progress.cycles();

@@ -8,7 +8,6 @@
 
 use crate::member::starvation::Share;
 
-/// A process's silence.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silence {
     /// Run time of the last sign of life, ns.

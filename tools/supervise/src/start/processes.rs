@@ -26,7 +26,6 @@ use std::time::{Duration, Instant};
 /// Word of a launcher that has already cleaned up, for the janitor.
 pub const DONE: &str = "done";
 
-/// One service's process.
 #[derive(Debug)]
 pub struct Process {
     child: Child,
@@ -194,7 +193,6 @@ pub fn end_within(child: &mut Child, grace: Duration) -> Option<ExitStatus> {
     child.wait().ok()
 }
 
-/// The janitor's process.
 #[derive(Debug)]
 pub struct Janitor {
     child: Child,

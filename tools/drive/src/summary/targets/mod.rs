@@ -82,7 +82,6 @@ impl Place {
 pub enum Owner {
     /// A vehicle, by its place in `truth/vehicles`.
     Vehicle(usize),
-    /// No vehicle.
     Nothing,
 }
 
