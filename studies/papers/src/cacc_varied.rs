@@ -15,11 +15,11 @@
 //! cross in green. The set is 250 variants of each scene; `--variants 250` drives all of them.
 
 use super::row::{EXACT, Kind, Row, requirement};
-use super::runner::{Driven, Part, Piece, Runner, printed};
+use super::runner::{Part, Piece, Runner, printed};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 use scenario::Setting;
-use supervise::{DriveStep, Error};
+use supervise::{Error, passed_s};
 
 const SET: &str = "default law, varied";
 /// Sentence of the paper behind the rows.
@@ -213,7 +213,8 @@ fn drive(runner: &Runner<'_>, scene: Scene, variant: &Variant) -> Result<Crossin
     let crossing = |law: &str, spacing: &[Setting]| {
         let law = [Setting::new("controller.name", law)];
         let set = [&of_variant[..], &law, spacing].concat();
-        Ok::<_, Error>(crossing_s(&runner.drive(scene.names().1, &set)?, variant.line_m))
+        let driven = runner.drive(scene.names().1, &set)?;
+        Ok::<_, Error>(passed_s(&driven.drive.steps, variant.line_m))
     };
     Ok(Crossings {
         acc: crossing("acc-mpc", &spacing())?,
@@ -234,12 +235,4 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
         1 => Some(values[middle]),
         _ => Some(0.5 * (values.get(middle)? + values.get(middle.checked_sub(1)?)?)),
     }
-}
-
-/// Time when the line is crossed, s.
-fn crossing_s(driven: &Driven, line_m: f64) -> Option<f64> {
-    let steps: &[DriveStep] = &driven.drive.steps;
-    let pair = steps.windows(2).find(|pair| pair[1].position_m >= line_m)?;
-    let share = (line_m - pair[0].position_m) / (pair[1].position_m - pair[0].position_m);
-    Some(pair[0].time_s + share * (pair[1].time_s - pair[0].time_s))
 }

@@ -1,26 +1,29 @@
-//! From the moments of a run to frames, at most ten a second.
+//! From the moments of a run to frames, at most ten a second. A frame has all that the view shows.
 
 use messages::level::Level;
+use messages::{AllVehicles, Diagnostics};
 use report::print;
 use runtime::statistics::{Latencies, Percentiles};
 use std::collections::VecDeque;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
-use supervise::{FaultRecord, Moment};
+use supervise::{DriveStep, FaultRecord, Moment};
 
 const PERIOD: Duration = Duration::from_millis(100);
+/// Run time that a view shows, s.
+const WINDOW_S: f64 = 60.0;
 /// Most points of the drive in one frame.
-const MAX_POINTS: usize = 100;
+const MAX_POINTS: usize = 600;
 /// Steps after which there is a point even without a new message about the other vehicles.
 const STEPS: u64 = 10;
 const EVENTS: usize = 12;
 
-/// State of the run, and the part of the drive since the last frame.
+/// State of the run, and the last minute of the drive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     pub time_s: f64,
     pub duration_s: f64,
-    /// The drive, in order of time.
+    /// The drive within the window, in order of time.
     pub points: Vec<Point>,
     pub mode: String,
     /// Quality of its last command.
@@ -67,12 +70,10 @@ pub struct LiveFeed {
     duration_s: f64,
     view: SyncSender<Frame>,
     due: Instant,
-    step: Option<u64>,
-    truth_step: Option<u64>,
+    /// Step of the newest cycle that was taken.
     cycle_step: Option<u64>,
     degradations: VecDeque<Degradation>,
     answers: Latencies,
-    last: Point,
     mode: Option<u32>,
     quality: u32,
     level: Level,
@@ -86,12 +87,9 @@ impl LiveFeed {
             duration_s,
             view,
             due: Instant::now(),
-            step: None,
-            truth_step: None,
             cycle_step: None,
             degradations: VecDeque::new(),
             answers: Latencies::default(),
-            last: Point::default(),
             mode: None,
             quality: 0,
             level: Level::Full,
@@ -111,7 +109,7 @@ impl LiveFeed {
     }
 
     fn frame(&mut self, moment: &Moment<'_>) -> Frame {
-        let (steps, all_truths, cycles) = moment.drive.heard();
+        let (steps, truths, cycles) = moment.drive.heard();
         let first_cycle = cycles.partition_point(|message| {
             self.cycle_step.is_some_and(|last| message.header.step <= last)
         });
@@ -123,43 +121,11 @@ impl LiveFeed {
             (self.mode, self.quality) = (Some(cycle.mode), cycle.quality);
             self.enter(Level::by_number(cycle.rung), cycle.header.publish_ns as f64 / 1e9);
         }
-        let after = |step: u64| self.step.is_some_and(|last| step <= last);
-        let first = steps.partition_point(|ego| after(ego.step));
-        let first_truth = all_truths.partition_point(|message| {
-            self.truth_step.is_some_and(|last| message.header.step <= last)
-        });
-        let mut truths = all_truths[first_truth..].iter().peekable();
-        let mut requests = cycles[first_cycle..].iter().peekable();
-        let mut points = Vec::new();
-        for ego in &steps[first..] {
-            let step = ego.step;
-            while let Some(cycle) = requests.next_if(|cycle| cycle.header.step <= step) {
-                self.last.request_mps2 = Some(cycle.request_mps2);
-            }
-            // A point where the gap is new: between two of them it would be a staircase.
-            let mut fresh = step.is_multiple_of(STEPS);
-            while let Some(truth) = truths.next_if(|truth| truth.header.step <= step) {
-                self.truth_step = Some(truth.header.step);
-                fresh = true;
-                let ahead = truth.nearest_ahead(ego.position_m);
-                self.last.gap_m = ahead.map(|(gap_m, _)| gap_m);
-                self.last.lead_speed_mps = ahead.map(|(_, speed_mps)| speed_mps);
-            }
-            self.last.t_s = ego.time_s;
-            self.last.speed_mps = ego.speed_mps;
-            self.last.acceleration_mps2 = ego.acceleration_mps2;
-            if fresh {
-                points.push(self.last);
-            }
-        }
-        let stride = points.len().div_ceil(MAX_POINTS).max(1);
-        let points = points.into_iter().step_by(stride).collect();
-        self.step = steps.last().map(|ego| ego.step).or(self.step);
         self.cycle_step = cycles.last().map(|message| message.header.step).or(self.cycle_step);
         Frame {
             time_s: moment.time_ns as f64 / 1e9,
             duration_s: self.duration_s,
-            points,
+            points: points(steps, truths, cycles),
             mode: self.mode.map_or_else(String::new, |mode| {
                 let name = self.modes.get(mode as usize);
                 name.map_or_else(|| format!("mode {mode}"), ToString::to_string)
@@ -203,25 +169,37 @@ impl LiveFeed {
     }
 }
 
-/// Run time that a view shows, s.
-pub const WINDOW_S: f64 = 60.0;
-
-#[derive(Clone, Debug, Default)]
-pub struct History {
-    pub newest: Frame,
-    pub points: VecDeque<Point>,
+/// The drive within the window, a point where the gap is new: between two of them it would be a staircase.
+fn points(steps: &[DriveStep], truths: &[AllVehicles], cycles: &[Diagnostics]) -> Vec<Point> {
+    let newest_s = steps.last().map_or(0.0, |ego| ego.time_s);
+    let steps = &steps[steps.partition_point(|ego| ego.time_s < newest_s - WINDOW_S)..];
+    let from = steps.first().map_or(0, |ego| ego.step);
+    let first_truth = truths.partition_point(|truth| truth.header.step < from);
+    let first_cycle = cycles.partition_point(|cycle| cycle.header.step < from);
+    let mut truths = truths[first_truth..].iter().peekable();
+    let mut cycles = cycles[first_cycle..].iter().peekable();
+    let (mut points, mut point) = (Vec::new(), Point::default());
+    for ego in steps {
+        while let Some(cycle) = cycles.next_if(|cycle| cycle.header.step <= ego.step) {
+            point.request_mps2 = Some(cycle.request_mps2);
+        }
+        let mut is_fresh = ego.step.is_multiple_of(STEPS);
+        while let Some(truth) = truths.next_if(|truth| truth.header.step <= ego.step) {
+            is_fresh = true;
+            let ahead = truth.nearest_ahead(ego.position_m);
+            point.gap_m = ahead.map(|(gap_m, _)| gap_m);
+            point.lead_speed_mps = ahead.map(|(_, speed_mps)| speed_mps);
+        }
+        if is_fresh {
+            let DriveStep { time_s: t_s, speed_mps, acceleration_mps2, .. } = *ego;
+            points.push(Point { t_s, speed_mps, acceleration_mps2, ..point });
+        }
+    }
+    let stride = points.len().div_ceil(MAX_POINTS).max(1);
+    points.into_iter().step_by(stride).collect()
 }
 
-impl History {
-    pub fn take(&mut self, mut frame: Frame) {
-        self.points.extend(frame.points.drain(..));
-        let newest_s = self.points.back().map_or(0.0, |point| point.t_s);
-        while self.points.front().is_some_and(|point| point.t_s < newest_s - WINDOW_S) {
-            self.points.pop_front();
-        }
-        self.newest = frame;
-    }
-
+impl Frame {
     /// A figure over the window, without the instants at which it does not apply.
     pub fn series(&self, value: impl Fn(&Point) -> Option<f64>) -> Vec<(f64, f64)> {
         self.points.iter().filter_map(|point| Some((point.t_s, value(point)?))).collect()
@@ -229,7 +207,7 @@ impl History {
 
     /// The window, s. It moves once the run is longer.
     pub fn window(&self) -> (f64, f64) {
-        let newest_s = self.points.back().map_or(0.0, |point| point.t_s);
+        let newest_s = self.points.last().map_or(0.0, |point| point.t_s);
         let from = (newest_s - WINDOW_S).max(0.0);
         (from, newest_s.max(from + 1.0))
     }
@@ -257,15 +235,13 @@ mod tests {
     }
 
     #[test]
-    fn only_the_last_minute_is_kept() {
-        let mut history = History::default();
-        for second in 0..200 {
-            let point = Point { t_s: f64::from(second), ..Point::default() };
-            history.take(Frame { points: vec![point], ..Frame::default() });
-        }
-        assert_eq!(history.points.len(), 61);
-
-        assert_eq!(history.window(), (139.0, 199.0));
-        assert!(history.newest.points.is_empty(), "kept once");
+    fn only_the_last_minute_is_shown_in_few_points() {
+        let step =
+            |step: u64| DriveStep { step, time_s: step as f64 / 100.0, ..DriveStep::default() };
+        let steps: Vec<_> = (0..=20_000).map(step).collect();
+        let frame = Frame { points: points(&steps, &[], &[]), ..Frame::default() };
+        assert_eq!((frame.points.len(), frame.points[0].t_s), (301, 140.0));
+        assert_eq!(frame.window(), (140.0, 199.0 + 1.0));
+        assert_eq!(Frame::default().window(), (0.0, 1.0));
     }
 }

@@ -1,6 +1,6 @@
 //! `--watch`: the run in the terminal.
 
-use super::feed::{Frame, History, Point};
+use super::feed::{Frame, Point};
 use ratatui::Frame as Screen;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
@@ -115,16 +115,16 @@ impl Held {
     }
 
     fn follow(&mut self, title: &str, frames: &Receiver<Frame>, keys: &Keys) {
-        let mut history = History::default();
+        let mut newest = Frame::default();
         loop {
             match frames.recv_timeout(PATIENCE) {
-                Ok(frame) => history.take(frame),
+                Ok(frame) => newest = frame,
                 Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {}
             }
             let asked = keys.asked();
-            let gone = asked == Asked::Gone
-                || self.0.draw(|screen| draw(screen, title, &history)).is_err();
+            let gone =
+                asked == Asked::Gone || self.0.draw(|screen| draw(screen, title, &newest)).is_err();
             if gone || asked == Asked::End {
                 // The run ends as on any other SIGINT.
                 let _ = kill_process(getpid(), Signal::INT);
@@ -148,7 +148,7 @@ fn give_back() {
     let _ = execute!(stderr(), LeaveAlternateScreen, cursor::Show);
 }
 
-fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
+fn draw(screen: &mut Screen<'_>, title: &str, newest: &Frame) {
     let [head, charts, figures, foot] = Layout::vertical([
         Constraint::Length(1),
         Constraint::Min(9),
@@ -157,27 +157,26 @@ fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
     ])
     .areas(screen.area());
     let bold = Style::default().add_modifier(Modifier::BOLD);
-    let newest = &history.newest;
     let time = format!("  {:.1} of {:.1} s", newest.time_s, newest.duration_s);
     screen.render_widget(Line::from(vec![Span::styled(title, bold), Span::raw(time)]), head);
 
     let [speed, gap, request] = Layout::vertical([Constraint::Ratio(1, 3); 3]).areas(charts);
-    let ego = |value: fn(&Point) -> Option<f64>| history.series(value);
+    let ego = |value: fn(&Point) -> Option<f64>| newest.series(value);
     strip(
         screen,
         speed,
-        history,
+        newest,
         "speed, m/s",
         &[
             ("ego", Color::LightBlue, ego(|point| Some(point.speed_mps))),
             ("ahead", Color::Yellow, ego(|point| point.lead_speed_mps)),
         ],
     );
-    strip(screen, gap, history, "gap, m", &[("", Color::LightBlue, ego(|point| point.gap_m))]);
+    strip(screen, gap, newest, "gap, m", &[("", Color::LightBlue, ego(|point| point.gap_m))]);
     strip(
         screen,
         request,
-        history,
+        newest,
         "acceleration, m/s²",
         &[
             ("request", Color::LightGreen, ego(|point| point.request_mps2)),
@@ -186,7 +185,7 @@ fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
     );
 
     let [left, right] = Layout::horizontal([Constraint::Ratio(1, 2); 2]).areas(figures);
-    screen.render_widget(Paragraph::new(state(history)).block(Block::bordered()), left);
+    screen.render_widget(Paragraph::new(state(newest)).block(Block::bordered()), left);
     let events: Vec<Line<'_>> = match newest.events.len() {
         0 => vec![Line::raw("no faults so far")],
         _ => (newest.events.iter().rev())
@@ -201,14 +200,13 @@ const STATE_LINES: u16 = 7;
 
 /// Mode, level of degradation and latency, in lines of at most 28 characters: half of 60 columns without
 /// its border.
-fn state(history: &History) -> Vec<Line<'static>> {
-    let newest = &history.newest;
+fn state(newest: &Frame) -> Vec<Line<'static>> {
     let answer = |name: &str, of: fn(&Percentiles) -> Option<f64>| {
         let us = newest.answer_us.as_ref().and_then(of).map_or_else(|| "–".to_owned(), duration);
         format!("{name} {us}")
     };
     let count = newest.answer_us.map_or(0, |p| p.count);
-    let point = history.points.back().copied().unwrap_or_default();
+    let point = newest.points.last().copied().unwrap_or_default();
     let gap = point.gap_m.map_or_else(|| "–".to_owned(), |gap| format!("{gap:.1} m"));
     vec![
         Line::raw(format!("{:.1} m/s, gap {gap}", point.speed_mps)),
@@ -224,14 +222,8 @@ fn state(history: &History) -> Vec<Line<'static>> {
 type Strand<'a> = (&'a str, Color, Vec<(f64, f64)>);
 
 /// A strip chart of named curves over the window.
-fn strip(
-    screen: &mut Screen<'_>,
-    area: Rect,
-    history: &History,
-    title: &str,
-    curves: &[Strand<'_>],
-) {
-    let (from, to) = history.window();
+fn strip(screen: &mut Screen<'_>, area: Rect, newest: &Frame, title: &str, curves: &[Strand<'_>]) {
+    let (from, to) = newest.window();
     let values = || curves.iter().flat_map(|curve| &curve.2).map(|point| point.1);
     let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
         (value.min(low), value.max(high))
@@ -265,8 +257,7 @@ mod tests {
     use crate::live::feed::{Frame, LiveEvent};
     use ratatui::backend::TestBackend;
 
-    fn history() -> History {
-        let mut history = History::default();
+    fn frame() -> Frame {
         let points = (0..100).map(|i| Point {
             t_s: f64::from(i) / 10.0,
             speed_mps: 15.0 + f64::from(i % 7),
@@ -274,7 +265,7 @@ mod tests {
             request_mps2: Some(-1.25),
             ..Point::default()
         });
-        history.take(Frame {
+        Frame {
             time_s: 9.9,
             duration_s: 20.0,
             points: points.collect(),
@@ -283,19 +274,18 @@ mod tests {
             level: "lead-predicted",
             events: vec![LiveEvent { t_s: 3.25, what: "kill controller".into() }],
             ..Frame::default()
-        });
-        history
+        }
     }
 
-    fn picture(width: u16, height: u16, history: &History) -> String {
+    fn picture(width: u16, height: u16, newest: &Frame) -> String {
         let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("a backend");
-        terminal.draw(|screen| draw(screen, "cacc-a · cacc-mpc", history)).expect("drawn");
+        terminal.draw(|screen| draw(screen, "cacc-a · cacc-mpc", newest)).expect("drawn");
         terminal.backend().to_string()
     }
 
     #[test]
     fn the_run_is_on_the_screen() {
-        let text = picture(100, 40, &history());
+        let text = picture(100, 40, &frame());
         for part in [
             "cacc-a · cacc-mpc  9.9 of 20.0 s",
             "speed, m/s  ego  ahead",
@@ -315,19 +305,19 @@ mod tests {
     #[test]
     fn a_small_or_empty_screen_is_no_trouble() {
         for (width, height) in [(1, 1), (20, 5), (80, 24)] {
-            let _ = picture(width, height, &history());
-            let _ = picture(width, height, &History::default());
+            let _ = picture(width, height, &frame());
+            let _ = picture(width, height, &Frame::default());
         }
     }
 
     #[test]
     fn figures_are_whole_at_60_and_80_columns() {
-        let mut history = history();
+        let mut newest = frame();
         let p = 123_456.7;
         let answers = Percentiles { p50: p, p90: p, p99: p, p999: p, p9999: p, max: p, count: 700 };
-        history.newest.answer_us = Some(answers);
+        newest.answer_us = Some(answers);
         for width in [60, 80] {
-            let text = picture(width, 40, &history);
+            let text = picture(width, 40, &newest);
             let shown = report::print::duration(p);
             for part in ["p50", "p99", "max"].map(|name| format!("{name} {shown}")) {
                 assert!(text.contains(&part), "{part} at {width} columns\n{text}");

@@ -30,4 +30,4 @@ pub use requirement::{
     Evidence, ReferenceDriver, Requirement, RequirementError, RequirementVerdict,
     is_avoidable_collision, requirements,
 };
-pub use steps::{Drive, DriveStep, PowertrainStep};
+pub use steps::{Drive, DriveStep, PowertrainStep, passed_s};

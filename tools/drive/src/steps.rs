@@ -106,3 +106,11 @@ pub struct PowertrainStep {
     /// Fuel burnt since the start, g.
     pub fuel_g: f64,
 }
+
+/// Time at which the ego's front passed a place, s; it moves evenly between two steps.
+pub fn passed_s(steps: &[DriveStep], place_m: f64) -> Option<f64> {
+    let pair = steps.windows(2).find(|pair| pair[1].position_m >= place_m)?;
+    let way_m = pair[1].position_m - pair[0].position_m;
+    let share = if way_m > 0.0 { (place_m - pair[0].position_m) / way_m } else { 0.0 };
+    Some(pair[0].time_s + share * (pair[1].time_s - pair[0].time_s))
+}

@@ -34,7 +34,7 @@ pub use drive::{
     Body, Drive, DriveStep, EgoPlace, Ended, Evidence, Exit, FaultRecord, GroupOutcome, Heartbeats,
     Moment, PlaneLog, PlaneScene, PowertrainStep, RecordingSummary, Recovery, ReferenceDriver,
     Requirement, RequirementError, RequirementVerdict, Seen, StandbyCost, TargetPlace,
-    is_avoidable_collision, report, requirements,
+    is_avoidable_collision, passed_s, report, requirements,
 };
 pub use error::{Error, Failure, MachineError, Status, UsageError};
 pub use events::{flag_end, hold_signals, is_signalled};

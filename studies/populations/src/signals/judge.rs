@@ -10,7 +10,6 @@ use report::Passing;
 use scenario::Scenario;
 use scenario::v2x::{Phase, Signal};
 use serde::{Deserialize, Serialize};
-use supervise::DriveStep;
 use v2x_sim::program::Program;
 
 use super::bound;
@@ -46,13 +45,13 @@ impl Facts {
         let steps = &done.drive.steps;
         let passed_s: Vec<f64> = signals
             .iter()
-            .map_while(|signal| passed_s(signal.stop_line_m.value(), steps))
+            .map_while(|signal| supervise::passed_s(steps, signal.stop_line_m.value()))
             .collect();
         let ended_s = steps.last().map_or(0.0, |step| step.time_s);
         let end_m = BEYOND_M + corridor.last_line_m();
         let (at_line_s, fastest_s) = fastest(scenario, end_m);
         let bound_s = bound::earliest_s(corridor, end_m);
-        let trip_s = self::passed_s(end_m, steps).unwrap_or(ended_s);
+        let trip_s = supervise::passed_s(steps, end_m).unwrap_or(ended_s);
         Self {
             is_led: corridor.lead.is_some(),
             ahead_s: corridor.ahead_s,
@@ -65,14 +64,6 @@ impl Facts {
             cycles_missed: cycles_missed(signals, &bound_s, &passed_s),
         }
     }
-}
-
-/// Time at which a place was passed, s.
-fn passed_s(line_m: f64, steps: &[DriveStep]) -> Option<f64> {
-    let pair = steps.windows(2).find(|pair| pair[1].position_m >= line_m)?;
-    let way_m = pair[1].position_m - pair[0].position_m;
-    let share = if way_m > 0.0 { (line_m - pair[0].position_m) / way_m } else { 0.0 };
-    Some(pair[0].time_s + share * (pair[1].time_s - pair[0].time_s))
 }
 
 /// Time when the fastest legal trip passes the last line and `end_m`, s; 0 where it never does.

@@ -4,7 +4,7 @@
 //! crosses no stop line on red, and meets no other traffic. It arrives at each line at the instant of green, with the
 //! highest speed that is possible there.
 
-use crate::DriveStep;
+use crate::{DriveStep, passed_s};
 use scenario::Scenario;
 use scenario::plant::Plant;
 use scenario::v2x::{Phase, Signal};
@@ -53,13 +53,7 @@ impl Trip {
         let Some(last_m) = lines.reduce(f64::max).filter(|last_m| *last_m > 0.0) else {
             return Self { energy_is_comparable, ..Self::default() };
         };
-        let passed = steps.windows(2).find(|pair| pair[1].position_m >= last_m);
-        let trip_time_s = passed.map(|pair| {
-            let (before, after) = (&pair[0], &pair[1]);
-            let way_m = after.position_m - before.position_m;
-            let share = if way_m > 0.0 { (last_m - before.position_m) / way_m } else { 0.0 };
-            before.time_s + share * (after.time_s - before.time_s)
-        });
+        let trip_time_s = passed_s(steps, last_m);
         Self { trip_time_s, fastest_legal_trip_s: fastest(scenario), energy_is_comparable }
     }
 }
