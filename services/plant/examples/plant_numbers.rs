@@ -76,7 +76,7 @@ fn car(numbers: &Numbers) -> (f64, f64, f64) {
         lead_m += lead_mps * PERIOD_S;
         let ahead =
             Ahead { gap_m: lead_m - state.position_m, speed_mps: lead_mps, acceleration_mps2: 0.0 };
-        referee.observe(k * PERIOD_NS, &state, Some(&ahead), &[], None);
+        referee.observe(k * PERIOD_NS, &state, Some(&ahead), [], None);
         required_mps2 = required_mps2.max(required_with(state.speed_mps, &ahead, numbers));
         vehicle.step((1.5 * (wanted_mps - state.speed_mps)).clamp(-3.0, 2.0));
     }
@@ -129,7 +129,7 @@ fn curves(numbers: &Numbers) -> [f64; 3] {
         if let Some(position_m) = lateral.step(&before, &car.state()) {
             car.place(position_m);
         }
-        let state = lateral.state();
+        let state = lateral.state;
         let largest = if k < 6000 { &mut fast_m } else { &mut slow_m };
         *largest = largest.max(state.lateral_m.abs());
         let shown = InPlane {
@@ -137,7 +137,7 @@ fn curves(numbers: &Numbers) -> [f64; 3] {
             lateral_acceleration_mps2: state.lateral_acceleration_mps2,
             closing_at_contact_mps: None,
         };
-        referee.observe(k * PERIOD_NS, &car.state(), None, &[], Some(&shown));
+        referee.observe(k * PERIOD_NS, &car.state(), None, [], Some(&shown));
     }
     [fast_m, referee.figures().max_abs_lateral_jerk_mps3.unwrap_or(f64::NAN), slow_m]
 }

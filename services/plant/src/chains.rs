@@ -25,6 +25,10 @@ use runtime::statistics::Latencies;
 use runtime::{Figures, RuntimeError};
 use std::collections::BTreeMap;
 
+/// Paths of the chains.
+pub(crate) const CONTROL_PATH: &str = "control";
+pub(crate) const BRAKE_PATH: &str = "brake";
+
 /// Names of the parts, in order of time.
 const NAMES: [&str; PARTS] = [
     "radar_publish",
@@ -44,7 +48,9 @@ pub(crate) struct Chains {
     radar_to_controller: Latencies,
     controller_to_plant: Latencies,
     pub(crate) worst: Worst,
-    last_radar: Option<Origin>,
+    /// The radar sample of the last reaction. The next process goes on from it: a command that it finds held has acted
+    /// before.
+    pub(crate) last_radar: Option<Origin>,
     /// A reaction that is not counted yet, and the designed waits in it, ns.
     ended: Option<(Chain, i64)>,
 }
@@ -70,16 +76,6 @@ impl Chains {
             last_radar: None,
             ended: None,
         })
-    }
-
-    /// The radar sample of the last reaction, for the next process. A command that it finds held has acted before.
-    pub(crate) fn last_radar(&self) -> Option<Origin> {
-        self.last_radar
-    }
-
-    /// Goes on after the reaction to this radar sample.
-    pub(crate) fn restore(&mut self, last_radar: Option<Origin>) {
-        self.last_radar = last_radar;
     }
 
     /// Records that `command` acts at `actuated`; called in every cycle of the plant.
@@ -254,7 +250,7 @@ mod tests {
             assert_eq!(count(part), 2);
         }
         assert_eq!(chains.times.reaction.percentiles_us().map(|p| p.max), Some(13.0));
-        let longest = chains.worst.report();
+        let longest = &chains.worst.chains;
         assert_eq!(longest.iter().map(|w| w.radar_sequence).collect::<Vec<_>>(), [2, 1]);
     }
 
@@ -266,12 +262,12 @@ mod tests {
             // Six processes, one after the other; each finds the held command and takes one more.
             for sample in 1..=6 {
                 let mut chains = open();
-                chains.restore(kept);
+                chains.last_radar = kept;
                 for sequence in [sample, sample + 1] {
                     let next = command(radar(sequence, 0, 500), 0, 0, 1_000, 2_000);
                     chains.actuated(&next, &at(3_000, 3_000, 3_000));
                     if sequence == sample || is_kept {
-                        kept = chains.last_radar();
+                        kept = chains.last_radar;
                         chains.count();
                     }
                 }

@@ -20,7 +20,6 @@ pub(crate) struct ClearWatch {
 }
 
 impl ClearWatch {
-    /// The watch of a scenario.
     pub(crate) fn of(scenario: &Scenario) -> Option<Self> {
         let asked = scenario.referee.ends_when_clear?;
         let lengths = scenario.actors.iter().map(|actor| actor.length_m.value());

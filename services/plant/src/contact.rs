@@ -8,20 +8,15 @@ use messages::{VehiclePose, VehicleTruthItem};
 /// A body in the plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rectangle {
-    /// Its middle, m.
     pub x_m: f64,
-    /// Its middle, m.
     pub y_m: f64,
     /// Cosine and sine of its heading.
     pub direction: (f64, f64),
-    /// Half of its length, m.
     pub half_length_m: f64,
-    /// Half of its width, m.
     pub half_width_m: f64,
 }
 
 impl Rectangle {
-    /// The body of a vehicle.
     pub fn of(pose: &VehiclePose) -> Self {
         let (sine, cosine) = libm::sincos(pose.heading_rad);
         Self {

@@ -17,12 +17,9 @@ use std::collections::VecDeque;
 /// Keeps this stream apart from those of other components with the same seed.
 const STREAM: u64 = 0x5851_f42d_4c95_7f2d;
 
-/// A command that has arrived.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival {
-    /// The command.
     pub(crate) command: Command,
-    /// Delay, ns.
     pub(crate) delay_ns: i64,
     /// True if it has the content of the command before it, under new stamps.
     pub(crate) is_repeated: bool,
@@ -73,7 +70,8 @@ pub(crate) struct Delivery {
     taken: Option<(u32, u64)>,
     /// Start of the cycle that made it, by its own account, ns of run time.
     started_ns: Option<i64>,
-    undelivered: u64,
+    /// Commands that never arrived: missed, or overtaken by a newer one.
+    pub(crate) undelivered: u64,
 }
 
 impl Delivery {
@@ -94,11 +92,6 @@ impl Delivery {
             started_ns: None,
             undelivered: 0,
         }
-    }
-
-    /// Goes on counting from what was counted before this process.
-    pub(crate) fn restore(&mut self, undelivered: u64) {
-        self.undelivered = undelivered;
     }
 
     /// Takes the topic's newest command at `now_ns`, unless it has been taken before.
@@ -127,11 +120,6 @@ impl Delivery {
         let overtaken = self.on_their_way.drain(..newest).count() as u64;
         self.undelivered += overtaken;
         self.on_their_way.pop_front()
-    }
-
-    /// Commands that never arrived: missed, or overtaken by a newer one.
-    pub(crate) fn undelivered(&self) -> u64 {
-        self.undelivered
     }
 }
 
@@ -189,7 +177,7 @@ mod tests {
                 arrivals.push((arrival.command.header.sequence, now_ns));
             }
         }
-        (arrivals, delivery.undelivered())
+        (arrivals, delivery.undelivered)
     }
 
     #[test]
@@ -276,8 +264,8 @@ mod tests {
     #[test]
     fn the_count_of_undelivered_commands_goes_on_in_the_next_process() {
         let mut delivery = delivery("miss_probability = 1");
-        delivery.restore(7);
-        assert_eq!(delivery.undelivered(), 7);
+        delivery.undelivered = 7;
+        assert_eq!(delivery.undelivered, 7);
         assert_eq!(drive(delivery, 3).1, 10);
     }
 }

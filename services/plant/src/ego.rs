@@ -9,7 +9,6 @@ use scenario::Scenario;
 use scenario::grade::GradeProfile;
 use serde::{Deserialize, Serialize};
 
-/// The ego vehicle.
 pub(crate) enum Ego {
     /// Follows accelerations; on a road with heights it feels them.
     Car(longitudinal::Vehicle, Option<GradeProfile>),
@@ -22,10 +21,8 @@ pub(crate) enum Ego {
 /// State of the ego that outlives the plant's process.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum Snapshot {
-    /// All of a car.
     Car(longitudinal::Vehicle),
-    /// The motion of a truck.
-    Truck(truck::Snapshot),
+    Truck(truck::Kept),
 }
 
 impl Ego {
@@ -56,7 +53,7 @@ impl Ego {
         match (self, kept) {
             (Self::Car(car, _), Snapshot::Car(kept)) => *car = kept,
             (Self::Unit(unit), Snapshot::Car(kept)) => unit.restore(kept),
-            (Self::Truck(truck), Snapshot::Truck(kept)) => truck.restore(&kept),
+            (Self::Truck(truck), Snapshot::Truck(kept)) => truck.kept = kept,
             _ => {}
         }
     }
@@ -66,7 +63,7 @@ impl Ego {
         match self {
             Self::Car(car, _) => Snapshot::Car(car.clone()),
             Self::Unit(unit) => Snapshot::Car(unit.own().clone()),
-            Self::Truck(truck) => Snapshot::Truck(truck.snapshot()),
+            Self::Truck(truck) => Snapshot::Truck(truck.kept),
         }
     }
 
@@ -112,7 +109,6 @@ impl Ego {
         }
     }
 
-    /// The truck, if it is one.
     pub(crate) fn truck(&self) -> Option<&Truck> {
         match self {
             Self::Car(..) | Self::Unit(_) => None,
@@ -120,7 +116,6 @@ impl Ego {
         }
     }
 
-    /// The unit, if it is one.
     pub(crate) fn unit(&self) -> Option<&UnitCar> {
         match self {
             Self::Unit(unit) => Some(unit),

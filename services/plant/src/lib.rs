@@ -25,7 +25,6 @@
 
 pub mod ahead;
 mod brake;
-mod braking;
 mod chains;
 mod clear;
 pub mod contact;
@@ -42,9 +41,7 @@ mod service;
 mod signal_chain;
 pub mod surroundings;
 mod timeliness;
-mod times;
 pub mod truck;
-mod truth;
 mod unit_car;
 mod wheel_energy;
 mod worst;

@@ -17,7 +17,6 @@ pub(crate) struct Actuated {
 /// The stamps of a command that a chain is rebuilt from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stamps {
-    /// Header of the command.
     pub(crate) header: Header,
     /// Scheduled release of the radar's cycle that published its sample, ns of run time.
     pub(crate) radar_release_ns: i64,

@@ -3,6 +3,7 @@
 //! The change is that of the ground truth. The stamp of the signal timing behind a command shows whether its
 //! actuation includes the change. Only the next signal ahead counts: it is the one that the vehicle drives by.
 
+use crate::referee::shown;
 use crate::report::SignalHops;
 use messages::{Command, SignalTruth};
 use runtime::statistics::Latencies;
@@ -23,7 +24,6 @@ pub(crate) struct SignalChain {
     /// A change without an actuation yet, ns of run time.
     changed_ns: Option<i64>,
     pub(crate) whole: Latencies,
-    /// One for each of [`NAMES`].
     parts: [Latencies; NAMES.len()],
 }
 
@@ -43,9 +43,7 @@ impl SignalChain {
 
     /// Looks at the signals as they are; called in every cycle of the plant.
     pub(crate) fn look(&mut self, truth: &SignalTruth, ego_m: f64) {
-        let count = usize::try_from(truth.count).map_or(0, |n| n.min(truth.lanes.len()));
-        let pairs = truth.lanes[..count].iter().zip(&truth.signals);
-        let next = pairs.into_iter().find(|(lane, _)| lane.stop_line_m > ego_m);
+        let next = shown(truth).find(|(lane, _)| lane.stop_line_m > ego_m);
         let Some((lane, signal)) = next.filter(|(_, signal)| signal.count > 0) else {
             (self.shown, self.changed_ns) = (None, None);
             return;

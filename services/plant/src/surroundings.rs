@@ -1,10 +1,10 @@
 //! Surroundings of the ego by the ground truth. Faults that wait for a phase of the drive use them, and so does a
 //! campaign's account of its drives. The referee uses the vehicle ahead. No law and no service that drives uses it.
 
-use crate::ahead::Ahead;
+use crate::ahead::{Ahead, Lengths, ahead};
 use crate::longitudinal::State;
 use crate::numbers::Numbers;
-use crate::truth::{self, Lengths};
+use crate::referee::shown;
 use messages::{AllVehicles, PhaseState, SignalTruth};
 use scenario::Scenario;
 
@@ -78,7 +78,7 @@ impl Surroundings {
         position_m: f64,
         time_s: f64,
     ) -> Option<Ahead> {
-        truth::ahead(vehicles, &self.lengths, position_m, time_s)
+        ahead(vehicles, &self.lengths, position_m, time_s)
     }
 
     fn observe(&mut self, state: &State, now: &AllVehicles) {
@@ -110,9 +110,7 @@ impl Surroundings {
 
 /// Distance to the next stop line, m, and what its signal shows at `time_s`.
 fn next_line(truth: &SignalTruth, position_m: f64, time_s: f64) -> Option<(f64, u32)> {
-    let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.lanes.len()));
-    let lines = truth.lanes[..count].iter().zip(&truth.signals);
-    let ahead = lines.filter(|(lane, _)| lane.stop_line_m > position_m);
+    let ahead = shown(truth).filter(|(lane, _)| lane.stop_line_m > position_m);
     ahead.min_by(|a, b| a.0.stop_line_m.total_cmp(&b.0.stop_line_m)).map(|(lane, signal)| {
         let intervals = &signal.intervals
             [..usize::try_from(signal.count).map_or(0, |n| n.min(signal.intervals.len()))];

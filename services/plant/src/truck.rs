@@ -8,6 +8,8 @@
 
 use crate::gateway::Actuation;
 use crate::longitudinal::State;
+use bytemuck::Zeroable;
+use messages::{Header, Powertrain};
 use scenario::grade::GradeProfile;
 use scenario::{Problem, Scenario};
 use serde::{Deserialize, Serialize};
@@ -21,15 +23,12 @@ const HOLD_GRADE: f64 = 0.18;
 /// Growth of the holding force over the truck's mass, m/s³. Chosen: a standing passenger does not mind it.
 const HOLD_JERK_MPS3: f64 = 0.5;
 
-/// A truck on its road.
 #[derive(Clone, Debug)]
 pub struct Truck {
-    /// As it is.
     model: Model,
     /// The model in its own inner loop.
     believed: Model,
     road: GradeProfile,
-    motion: Motion,
     substeps: u32,
     step_s: f64,
     brake_share: f64,
@@ -37,36 +36,12 @@ pub struct Truck {
     /// Force that holds the truck, and its growth in a step, N.
     hold_n: f64,
     hold_growth_n: f64,
-    brake_n: f64,
-    braked_s: f64,
-}
-
-/// State of engine and gearbox.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Powertrain {
-    /// Gear, counted from 0.
-    pub gear: usize,
-    /// Time since the last shift began, s.
-    pub since_shift_s: f64,
-    /// Shifts so far.
-    pub shifts: u32,
-    /// Engine speed, rpm.
-    pub engine_speed_rpm: f64,
-    /// Torque at the crankshaft, N m.
-    pub engine_torque_nm: f64,
-    /// Force of the service brakes, N.
-    pub service_brake_n: f64,
-    /// Fuel flow, g/s.
-    pub fuel_gps: f64,
-    /// Fuel burnt, g.
-    pub fuel_g: f64,
-    /// Acceleration and the slope's share of gravity, m/s².
-    pub specific_force_mps2: f64,
+    pub kept: Kept,
 }
 
 /// State of a truck that outlives the plant's process.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Snapshot {
+pub struct Kept {
     motion: Motion,
     brake_n: f64,
     braked_s: f64,
@@ -97,40 +72,24 @@ impl Truck {
             model,
             believed,
             road,
-            motion,
             substeps: period_ms / step_ms,
             step_s,
             brake_share,
             most_brake_n,
             hold_n,
             hold_growth_n: mass_kg * HOLD_JERK_MPS3 * step_s,
-            brake_n,
-            braked_s: 0.0,
+            kept: Kept { motion, brake_n, braked_s: 0.0 },
         }))
-    }
-
-    /// Goes on from what another process kept.
-    pub fn restore(&mut self, kept: &Snapshot) {
-        (self.motion, self.brake_n, self.braked_s) = (kept.motion, kept.brake_n, kept.braked_s);
-    }
-
-    /// State that outlives this process.
-    pub fn snapshot(&self) -> Snapshot {
-        Snapshot { motion: self.motion, brake_n: self.brake_n, braked_s: self.braked_s }
     }
 
     /// Moves on by one period of the plant, with the emergency brake's ceiling on the acceleration,
     /// m/s².
     pub fn step(&mut self, actuation: &Actuation, ceiling_mps2: Option<f64>) {
         for _ in 0..self.substeps {
-            let (speed_mps, gear) = (self.motion.speed_mps, self.motion.gear);
-            let grade = self.road.grade(self.motion.position_m);
+            let (speed_mps, gear) = (self.kept.motion.speed_mps, self.kept.motion.gear);
+            let grade = self.road.grade(self.kept.motion.position_m);
             let wanted = match actuation.engine {
-                Some(engine) => Demand {
-                    engine_torque_nm: engine.torque_nm,
-                    service_brake_n: engine.service_brake_n,
-                    gear: engine.gear,
-                },
+                Some(engine) => engine,
                 None => Demand::for_acceleration(
                     &self.believed,
                     actuation.request_mps2,
@@ -142,7 +101,8 @@ impl Truck {
             // The emergency brake overrules engine and brakes where it asks for less acceleration.
             let emergency = ceiling_mps2
                 .filter(|ceiling| {
-                    *ceiling < actuation.request_mps2 || *ceiling < self.motion.acceleration_mps2
+                    *ceiling < actuation.request_mps2
+                        || *ceiling < self.kept.motion.acceleration_mps2
                 })
                 .map(|ceiling| {
                     Demand::for_acceleration(&self.believed, ceiling, speed_mps, gear, grade)
@@ -151,47 +111,48 @@ impl Truck {
             let wanted_n = wanted.service_brake_n.min(self.most_brake_n);
             // Its ceiling has the brakes' own growth already.
             let share = if emergency.is_some() { 1.0 } else { self.brake_share };
-            let held_n = (self.brake_n + self.hold_growth_n).min(self.hold_n);
-            self.brake_n += share * (wanted_n - self.brake_n);
+            let held_n = (self.kept.brake_n + self.hold_growth_n).min(self.hold_n);
+            self.kept.brake_n += share * (wanted_n - self.kept.brake_n);
             let goes = actuation.request_mps2.min(ceiling_mps2.unwrap_or(f64::INFINITY)) > 0.0;
             let holds = speed_mps < HOLD_MPS && !goes;
             if holds {
-                self.brake_n = self.brake_n.max(held_n);
+                self.kept.brake_n = self.kept.brake_n.max(held_n);
             }
             if wanted_n > 0.0 || holds {
-                self.braked_s += self.step_s;
+                self.kept.braked_s += self.step_s;
             }
-            let demand = Demand { service_brake_n: self.brake_n, ..wanted };
-            self.motion.step(&self.model, self.step_s, &demand, grade);
+            let demand = Demand { service_brake_n: self.kept.brake_n, ..wanted };
+            self.kept.motion.step(&self.model, self.step_s, &demand, grade);
         }
     }
 
     /// Corrects the place on the axis, m.
     pub fn place(&mut self, position_m: f64) {
-        self.motion.position_m = position_m;
+        self.kept.motion.position_m = position_m;
     }
 
     /// Present state of motion.
     pub fn state(&self) -> State {
         State {
-            position_m: self.motion.position_m,
-            speed_mps: self.motion.speed_mps,
-            acceleration_mps2: self.motion.acceleration_mps2,
+            position_m: self.kept.motion.position_m,
+            speed_mps: self.kept.motion.speed_mps,
+            acceleration_mps2: self.kept.motion.acceleration_mps2,
         }
     }
 
-    /// Present state of engine and gearbox.
+    /// Present state of engine and gearbox, without a header.
     pub fn powertrain(&self) -> Powertrain {
-        let motion = &self.motion;
+        let motion = &self.kept.motion;
         let grade = self.road.grade(motion.position_m);
         let engine_speed_rpm = self.model.running_rpm(motion.speed_mps, motion.gear);
         Powertrain {
-            gear: motion.gear,
-            since_shift_s: motion.since_shift_s,
+            header: Header::zeroed(),
+            gear: motion.gear as u32 + 1,
             shifts: motion.shifts,
+            since_shift_s: motion.since_shift_s,
             engine_speed_rpm,
             engine_torque_nm: motion.engine_torque_nm,
-            service_brake_n: self.brake_n,
+            service_brake_n: self.kept.brake_n,
             fuel_gps: self.model.engine().fuel_gps(engine_speed_rpm, motion.engine_torque_nm),
             fuel_g: motion.fuel_g,
             specific_force_mps2: motion.acceleration_mps2
@@ -201,26 +162,26 @@ impl Truck {
 
     /// Fuel over the way so far, L/100 km; `None` before the first metre.
     pub fn fuel_l_per_100km(&self) -> Option<f64> {
-        let driven_m = self.motion.position_m;
-        let litres = self.motion.fuel_g / FUEL_DENSITY_GPL;
+        let driven_m = self.kept.motion.position_m;
+        let litres = self.kept.motion.fuel_g / FUEL_DENSITY_GPL;
         (driven_m >= 1.0).then(|| litres / driven_m * 1e5)
     }
 
     /// Shifts so far.
     pub fn shifts(&self) -> u64 {
-        self.motion.shifts.into()
+        self.kept.motion.shifts.into()
     }
 
     /// Time for which the service brakes were asked for, s.
     pub fn service_brake_s(&self) -> f64 {
-        self.braked_s
+        self.kept.braked_s
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gateway::{EngineRequest, Source};
+    use crate::gateway::Source;
 
     fn truck(keys: &str) -> Truck {
         let text = format!(
@@ -352,7 +313,7 @@ mod tests {
     #[test]
     fn a_torque_below_drag_brakes_with_the_engine_alone_and_an_emergency_with_all() {
         let mut truck = truck("");
-        let engine = EngineRequest { torque_nm: -1500.0, service_brake_n: 0.0, gear: None };
+        let engine = Demand { engine_torque_nm: -1500.0, service_brake_n: 0.0, gear: None };
         for _ in 0..200 {
             truck.step(&Actuation { engine: Some(engine), ..acceleration(0.0) }, None);
         }

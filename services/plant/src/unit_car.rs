@@ -208,7 +208,6 @@ fn wrong(motion: &Motion) -> Option<(&'static str, f64)> {
     values.into_iter().find(|(_, value)| !value.is_finite())
 }
 
-/// Pedals for a request.
 struct Pedals {
     most_mps2: f64,
     least_mps2: f64,

@@ -2,71 +2,35 @@
 
 use crate::parts::Chain;
 use crate::report::{HopTimes, WorstChain};
-use messages::{Command, Header, Origin};
+use messages::{Command, Origin};
 
 /// Chains that are kept.
 const KEPT: usize = 10;
 
-/// The kept part of a chain: the command without its plan, which is most of it.
-#[derive(Clone, Copy, Debug)]
-struct KeptChain {
-    header: Header,
-    start_ns: i64,
-    switches: [u32; 2],
-    faults: [u32; 2],
-    solver_iterations: u32,
-    mode: u32,
-    parts: Chain,
-    designed_wait_ns: i64,
-    now_ns: i64,
-}
-
-/// The longest chains so far, longest first; of two equal ones the earlier. Keeping one
-/// allocates nothing.
+/// The longest chains so far, longest first; of two equal ones the earlier. Keeping one allocates nothing.
 #[derive(Debug)]
 pub(crate) struct Worst {
     deadline_ns: i64,
-    chains: [Option<KeptChain>; KEPT],
+    pub(crate) chains: Vec<WorstChain>,
 }
 
 impl Worst {
-    /// None yet. A control cycle is late if its command comes `deadline_ns` after its release.
+    /// A control cycle is late if its command comes `deadline_ns` after its release.
     pub(crate) fn new(deadline_ns: i64) -> Self {
-        Self { deadline_ns, chains: [None; KEPT] }
+        Self { deadline_ns, chains: Vec::with_capacity(KEPT) }
     }
 
     /// Keeps the chain that ended with `command` at `now_ns` if it is among the longest.
     pub(crate) fn offer(&mut self, command: &Command, parts: &Chain, now_ns: i64) {
-        let sum_ns = parts.sum_ns();
-        let shorter =
-            |kept: &Option<KeptChain>| kept.is_none_or(|kept| kept.parts.sum_ns() < sum_ns);
-        let Some(place) = self.chains.iter().position(shorter) else { return };
-        self.chains[place..].rotate_right(1);
-        self.chains[place] = Some(KeptChain {
-            header: command.header,
-            start_ns: command.start_ns,
-            switches: [command.voluntary_switches, command.involuntary_switches],
-            faults: [command.minor_faults, command.major_faults],
-            solver_iterations: command.solver_iterations,
-            mode: command.mode,
-            parts: *parts,
-            designed_wait_ns: parts.designed_wait_ns(&command.into()),
-            now_ns,
-        });
-    }
-
-    /// The chains, longest first.
-    pub(crate) fn report(&self) -> Vec<WorstChain> {
-        self.chains.iter().flatten().map(|kept| self.describe(kept)).collect()
-    }
-
-    fn describe(&self, kept: &KeptChain) -> WorstChain {
         let us = |ns: i64| ns as f64 / 1e3;
+        let reaction_time_us = us(parts.sum_ns());
+        let place = self.chains.partition_point(|kept| kept.reaction_time_us >= reaction_time_us);
+        if place == KEPT {
+            return;
+        }
         let age =
-            |origin: Origin| origin.is_some().then(|| us(kept.start_ns - origin.acquisition_ns));
-        let (header, parts) = (&kept.header, &kept.parts);
-        let [voluntary_switches, involuntary_switches] = kept.switches;
-        let [minor_faults, major_faults] = kept.faults;
+            |origin: Origin| origin.is_some().then(|| us(command.start_ns - origin.acquisition_ns));
+        let header = &command.header;
         let [
             radar_publish,
             controller_queue,
@@ -76,12 +40,12 @@ impl Worst {
             command_transport,
             actuate,
         ] = parts.0.map(us);
-        WorstChain {
-            t_s: kept.now_ns as f64 / 1e9,
+        let chain = WorstChain {
+            t_s: now_ns as f64 / 1e9,
             radar_sequence: header.origins.radar.sequence,
             command_sequence: header.sequence,
-            reaction_time_us: us(parts.sum_ns()),
-            designed_wait_us: us(kept.designed_wait_ns),
+            reaction_time_us,
+            designed_wait_us: us(parts.designed_wait_ns(&command.into())),
             hops_us: HopTimes {
                 radar_publish,
                 controller_queue,
@@ -95,13 +59,15 @@ impl Worst {
             odometry_age_us: age(header.origins.odometry),
             radar_age_us: age(header.origins.radar),
             spat_age_us: age(header.origins.spat),
-            solver_iterations: kept.solver_iterations,
-            mode: kept.mode,
-            voluntary_switches,
-            involuntary_switches,
-            minor_faults,
-            major_faults,
-        }
+            solver_iterations: command.solver_iterations,
+            mode: command.mode,
+            voluntary_switches: command.voluntary_switches,
+            involuntary_switches: command.involuntary_switches,
+            minor_faults: command.minor_faults,
+            major_faults: command.major_faults,
+        };
+        self.chains.truncate(KEPT - 1);
+        self.chains.insert(place, chain);
     }
 }
 
@@ -124,7 +90,7 @@ mod tests {
             let parts = Chain([0, 0, 0, length, 0, 0, 0]);
             worst.offer(&command, &parts, 0);
         }
-        let report = worst.report();
+        let report = worst.chains;
         let lengths: Vec<_> =
             report.iter().map(|c| (c.reaction_time_us * 1e3).round() as i64).collect();
         assert_eq!(lengths, [49, 49, 48, 48, 47, 47, 46, 46, 45, 45]);

@@ -34,28 +34,24 @@
 //! assert_eq!(gateway.actuate(200 * period_ns).request_mps2, -4.0);
 //! ```
 
-mod plan;
 #[cfg(test)]
 mod tests;
 
-use plan::Plan;
+use messages::PLAN_LEN;
 use scenario::plant::{Fallback, Gateway as Bounds, Plant};
 use serde::{Deserialize, Serialize};
+use truck_model::Demand;
 
 /// Reason why a command was not accepted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rejection {
     /// It has no request, or its control step has no duration.
-    #[error("the command has no request, or a control step without a duration")]
     Empty,
     /// One of its requests, or its torque, is not a finite number.
-    #[error("a request of the command is not a finite number")]
     NotFinite,
     /// It is not newer than the one that is being followed.
-    #[error("the command is not newer than the one that is being followed")]
     NotNewer,
     /// It starts more than one control step from now.
-    #[error("the command starts more than one control step from now")]
     FromTheFuture,
 }
 
@@ -69,59 +65,36 @@ pub enum Source {
     Command,
     /// The rest of the last command's plan.
     Plan,
-    /// A stop in lane.
     StopInLane,
 }
 
-/// Input of the actuators.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuation {
-    /// The request, m/s².
     pub request_mps2: f64,
-    /// Its source.
     pub source: Source,
     /// The bounds of the gateway changed the request or the torque.
     pub limited: bool,
     /// Torque for the engine in place of the request.
-    pub engine: Option<EngineRequest>,
+    pub engine: Option<Demand>,
 }
 
-/// A request to the engine of a truck.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EngineRequest {
-    /// Torque at the crankshaft, N m.
-    pub torque_nm: f64,
-    /// Force of the service brakes at the wheels, N.
-    pub service_brake_n: f64,
-    /// Gear, counted from 0; `None` leaves it to the gearbox.
-    pub gear: Option<usize>,
-}
-
-impl EngineRequest {
-    fn is_finite(&self) -> bool {
-        self.torque_nm.is_finite() && self.service_brake_n.is_finite()
-    }
-}
-
-/// The gateway.
 #[derive(Clone, Debug)]
 pub struct Gateway {
     bounds: Bounds,
     fallback: Fallback,
     period_s: f64,
     plan: Option<Plan>,
-    last_request_mps2: f64,
-    engine: Option<EngineRequest>,
+    engine: Option<Demand>,
     /// Torque request of the previous period, or what the engine gave then.
     last_torque_nm: f64,
-    /// The launcher asked for a stop: no command counts any more.
-    stopping: bool,
+    pub(crate) kept: Kept,
 }
 
 /// The part of the gateway that outlives its process. The plan comes again with the last command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Snapshot {
+pub(crate) struct Kept {
     last_request_mps2: f64,
+    /// The launcher asked for a stop: no command counts any more.
     stopping: bool,
 }
 
@@ -133,27 +106,18 @@ impl Gateway {
             fallback: plant.fallback,
             period_s: 1e-3 * f64::from(plant.period_ms.value()),
             plan: None,
-            last_request_mps2: plant.initial_acceleration_mps2.value(),
             engine: None,
             last_torque_nm: 0.0,
-            stopping: false,
+            kept: Kept {
+                last_request_mps2: plant.initial_acceleration_mps2.value(),
+                stopping: false,
+            },
         }
-    }
-
-    /// The part that outlives this process.
-    pub fn snapshot(&self) -> Snapshot {
-        let Self { last_request_mps2, stopping, .. } = *self;
-        Snapshot { last_request_mps2, stopping }
-    }
-
-    /// Continues from a previous process.
-    pub fn restore(&mut self, kept: &Snapshot) {
-        (self.last_request_mps2, self.stopping) = (kept.last_request_mps2, kept.stopping);
     }
 
     /// Stops in lane and ignores all commands from now on.
     pub fn stop(&mut self) {
-        self.stopping = true;
+        self.kept.stopping = true;
     }
 
     /// Takes a command: `plan_mps2[k]` is meant for `start_ns + k * step_ns` on. A request to the engine acts in the
@@ -167,16 +131,18 @@ impl Gateway {
         start_ns: u64,
         step_ns: u64,
         plan_mps2: &[f64],
-        engine: Option<EngineRequest>,
+        engine: Option<Demand>,
     ) -> Result<(), Rejection> {
         let plan = Plan::new(start_ns, step_ns, plan_mps2)?;
-        if engine.is_some_and(|engine| !engine.is_finite()) {
+        if engine.is_some_and(|engine| {
+            !engine.engine_torque_nm.is_finite() || !engine.service_brake_n.is_finite()
+        }) {
             return Err(Rejection::NotFinite);
         }
         if start_ns > now_ns.saturating_add(step_ns) {
             return Err(Rejection::FromTheFuture);
         }
-        if self.plan.as_ref().is_some_and(|last| start_ns <= last.start_ns()) {
+        if self.plan.as_ref().is_some_and(|last| start_ns <= last.start_ns) {
             return Err(Rejection::NotNewer);
         }
         (self.plan, self.engine) = (Some(plan), engine);
@@ -194,7 +160,7 @@ impl Gateway {
     pub fn actuate(&mut self, now_ns: u64) -> Actuation {
         let (source, wanted) = self.planned(now_ns);
         let request_mps2 = self.bounded(wanted);
-        self.last_request_mps2 = request_mps2;
+        self.kept.last_request_mps2 = request_mps2;
         let asked = self.engine.filter(|_| source == Source::Command);
         self.engine = asked;
         let engine = asked.map(|asked| self.bounded_engine(asked));
@@ -202,14 +168,14 @@ impl Gateway {
         Actuation { request_mps2, source, limited, engine }
     }
 
-    fn bounded_engine(&mut self, asked: EngineRequest) -> EngineRequest {
+    fn bounded_engine(&mut self, asked: Demand) -> Demand {
         let reach_nm = self.bounds.max_torque_rate_nmps.value() * self.period_s;
-        let torque_nm = asked
-            .torque_nm
+        let engine_torque_nm = asked
+            .engine_torque_nm
             .clamp(self.last_torque_nm - reach_nm, self.last_torque_nm + reach_nm)
             .clamp(self.bounds.min_torque_nm.value(), self.bounds.max_torque_nm.value());
-        self.last_torque_nm = torque_nm;
-        EngineRequest { torque_nm, service_brake_n: asked.service_brake_n.max(0.0), ..asked }
+        self.last_torque_nm = engine_torque_nm;
+        Demand { engine_torque_nm, service_brake_n: asked.service_brake_n.max(0.0), ..asked }
     }
 
     /// True until the successor of the newest command is overdue by the margin. A command that comes a moment after the
@@ -229,9 +195,9 @@ impl Gateway {
         let stop_mps2 = worst_mps2.min(-self.fallback.stop_deceleration_mps2.value());
         let follow_ns = self.fallback.follow_plan_s.nanoseconds();
         match &self.plan {
-            _ if self.stopping => (Source::StopInLane, stop_mps2),
-            None if now_ns <= follow_ns => (Source::None, self.last_request_mps2),
-            Some(plan) if now_ns < plan.due_ns() => (Source::Command, plan.first_mps2()),
+            _ if self.kept.stopping => (Source::StopInLane, stop_mps2),
+            None if now_ns <= follow_ns => (Source::None, self.kept.last_request_mps2),
+            Some(plan) if now_ns < plan.due_ns() => (Source::Command, plan.requests_mps2[0]),
             Some(plan) if now_ns <= plan.due_ns().saturating_add(follow_ns) => {
                 (Source::Plan, plan.at(now_ns))
             }
@@ -240,10 +206,54 @@ impl Gateway {
     }
 
     fn bounded(&self, wanted: f64) -> f64 {
-        let (last, period_s) = (self.last_request_mps2, self.period_s);
+        let (last, period_s) = (self.kept.last_request_mps2, self.period_s);
         let highest = last + self.bounds.max_rise_mps3.value() * period_s;
         let lowest = last - self.bounds.max_fall_mps3.value() * period_s;
         let request = wanted.min(highest).max(lowest);
         request.clamp(self.bounds.min_request_mps2.value(), self.bounds.max_request_mps2.value())
+    }
+}
+
+/// Requests for successive control steps.
+#[derive(Clone, Debug)]
+struct Plan {
+    requests_mps2: [f64; PLAN_LEN],
+    len: usize,
+    start_ns: u64,
+    step_ns: u64,
+}
+
+impl Plan {
+    /// A plan whose request `k` is meant for `start_ns + k * step_ns` on. A longer one is cut.
+    fn new(start_ns: u64, step_ns: u64, plan_mps2: &[f64]) -> Result<Self, Rejection> {
+        if plan_mps2.is_empty() || step_ns == 0 {
+            return Err(Rejection::Empty);
+        }
+        if plan_mps2.iter().any(|request| !request.is_finite()) {
+            return Err(Rejection::NotFinite);
+        }
+        let len = plan_mps2.len().min(PLAN_LEN);
+        let mut requests_mps2 = [0.0; PLAN_LEN];
+        requests_mps2[..len].copy_from_slice(&plan_mps2[..len]);
+        Ok(Self { requests_mps2, len, start_ns, step_ns })
+    }
+
+    /// End of the first step: a new command is due.
+    fn due_ns(&self) -> u64 {
+        self.start_ns.saturating_add(self.step_ns)
+    }
+
+    /// Request at `now_ns`. After the end of the plan its last request is held for one step, then only if it brakes.
+    fn at(&self, now_ns: u64) -> f64 {
+        let age_ns = now_ns.saturating_sub(self.start_ns);
+        let k = usize::try_from(age_ns / self.step_ns).unwrap_or(usize::MAX);
+        let requests = &self.requests_mps2[..self.len];
+        let last = requests[self.len - 1];
+        requests.get(k).copied().unwrap_or(if k == self.len { last } else { last.min(0.0) })
+    }
+
+    /// Hardest braking of the plan, 0 if it does not brake.
+    fn worst_mps2(&self) -> f64 {
+        self.requests_mps2[..self.len].iter().copied().fold(0.0, f64::min)
     }
 }

@@ -42,10 +42,10 @@ fn the_ladder_is_gone_down_by_time_and_up_by_a_command() {
 fn a_torque_is_bounded_in_range_and_rate_and_acts_only_while_its_command_is_fresh() {
     let mut gateway = gateway();
     gateway.engine_gives(500.0);
-    let asked = EngineRequest { torque_nm: 9e3, service_brake_n: 0.0, gear: Some(5) };
+    let asked = Demand { engine_torque_nm: 9e3, service_brake_n: 0.0, gear: Some(5) };
     gateway.accept(0, 0, STEP_NS, &[0.1], Some(asked)).expect("a right command");
     let torque = |gateway: &mut Gateway, now_ns| {
-        gateway.actuate(now_ns).engine.map(|engine| engine.torque_nm)
+        gateway.actuate(now_ns).engine.map(|engine| engine.engine_torque_nm)
     };
     // 5000 N m/s over periods of 100 ms, from what the engine gave.
     assert_eq!(torque(&mut gateway, 0), Some(1000.0));
@@ -53,7 +53,7 @@ fn a_torque_is_bounded_in_range_and_rate_and_acts_only_while_its_command_is_fres
     let all = [2, 3, 4].map(|now_ns| torque(&mut gateway, now_ns));
     assert_eq!(all, [Some(2000.0), Some(2200.0), Some(2200.0)]);
     assert_eq!(torque(&mut gateway, STEP_NS), None, "the rest of the plan is acceleration");
-    let bad = EngineRequest { torque_nm: f64::NAN, ..asked };
+    let bad = Demand { engine_torque_nm: f64::NAN, ..asked };
     let refused = gateway.accept(STEP_NS, STEP_NS, STEP_NS, &[0.1], Some(bad));
     assert_eq!(refused, Err(Rejection::NotFinite));
 }
@@ -163,13 +163,13 @@ fn a_restarted_gateway_goes_on_from_its_last_request_and_keeps_an_order_to_stop(
     gateway.accept(0, 0, STEP_NS, &[-0.4], None).expect("it is valid");
     assert_eq!(gateway.actuate(0).request_mps2, -0.4);
     let mut next = Gateway::new(&plant);
-    next.restore(&gateway.snapshot());
+    next.kept = gateway.kept;
     next.accept(0, 0, STEP_NS, &[1.0], None).expect("it is valid");
     let request = next.actuate(0).request_mps2;
     assert!((request + 0.3).abs() < 1e-12, "0.1 m/s² above the last one: {request}");
     next.stop();
     let mut last = Gateway::new(&plant);
-    last.restore(&next.snapshot());
+    last.kept = next.kept;
     assert_eq!(last.actuate(0).source, Source::StopInLane);
 }
 
@@ -184,20 +184,20 @@ fn a_torque_that_goes_up_or_down_is_reported_as_limited_and_a_brake_never_pushes
         (-9e3, 50.0, (-1500.0, 50.0), true),
         (-1500.0, -50.0, (-1500.0, 0.0), true),
     ] {
-        let start_ns = gateway.plan.as_ref().map_or(0, |plan| plan.start_ns() + STEP_NS);
-        let asked = EngineRequest { torque_nm, service_brake_n, gear: Some(3) };
+        let start_ns = gateway.plan.as_ref().map_or(0, |plan| plan.start_ns + STEP_NS);
+        let asked = Demand { engine_torque_nm: torque_nm, service_brake_n, gear: Some(3) };
         let taken = gateway.accept(start_ns, start_ns, STEP_NS, &[0.0], Some(asked));
         assert_eq!(taken, Ok(()));
         let found = gateway.actuate(start_ns);
         let engine = found.engine.expect("a torque was asked for");
-        assert_eq!((engine.torque_nm, engine.service_brake_n), given);
+        assert_eq!((engine.engine_torque_nm, engine.service_brake_n), given);
         assert_eq!((engine.gear, found.limited), (Some(3), limited));
         // The engine's own torque counts only while none is asked for.
         gateway.engine_gives(1e9);
     }
     for bad in [
-        EngineRequest { torque_nm: f64::NAN, service_brake_n: 0.0, gear: None },
-        EngineRequest { torque_nm: 0.0, service_brake_n: f64::INFINITY, gear: None },
+        Demand { engine_torque_nm: f64::NAN, service_brake_n: 0.0, gear: None },
+        Demand { engine_torque_nm: 0.0, service_brake_n: f64::INFINITY, gear: None },
     ] {
         let refused = gateway.accept(10 * STEP_NS, 10 * STEP_NS, STEP_NS, &[0.0], Some(bad));
         assert_eq!(refused, Err(Rejection::NotFinite));

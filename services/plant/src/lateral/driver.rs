@@ -17,7 +17,6 @@ const STEERS_FROM_MPS: f64 = 3.0;
 /// Largest angle of the front wheels, rad: 34 degrees, a car's full lock. Chosen.
 const MOST_STEERING_RAD: f64 = 0.6;
 
-/// The driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driver {
     lead_s: f64,

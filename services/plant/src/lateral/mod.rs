@@ -29,7 +29,7 @@ pub use driver::Driver;
 pub use sensor::YawRateSensor;
 pub use single_track::{SingleTrack, Slip};
 
-use messages::EgoPose;
+use messages::{EgoPose, LateralMotion};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 use scenario::Scenario;
@@ -59,7 +59,7 @@ pub struct Lateral {
     to_bumper_m: f64,
     /// Factor on all random deviates: -1 in a mirrored world.
     noise: f64,
-    state: State,
+    pub state: State,
 }
 
 /// State of the motion across the road; it outlives the plant's process.
@@ -81,17 +81,6 @@ pub struct State {
     pub aim_m: f64,
     /// The yaw rate behind the sensor's lag, rad/s.
     pub sensed_radps: f64,
-}
-
-/// Quantities that the ego's sensors measure across the road.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
-    /// Yaw rate, rad/s.
-    pub yaw_rate_radps: f64,
-    /// Lateral acceleration, m/s².
-    pub lateral_acceleration_mps2: f64,
-    /// Angle of the front wheels, rad.
-    pub steering_rad: f64,
 }
 
 impl Lateral {
@@ -161,11 +150,6 @@ impl Lateral {
         };
     }
 
-    /// Goes on from what another process kept.
-    pub fn restore(&mut self, kept: &State) {
-        self.state = *kept;
-    }
-
     /// Moves on by one period of the plant, in which the longitudinal model moved from `from` to `to`. Returns the
     /// place of the front bumper on the axis, m, where it is another one than the longitudinal model's.
     pub fn step(&mut self, from: &longitudinal::State, to: &longitudinal::State) -> Option<f64> {
@@ -230,16 +214,12 @@ impl Lateral {
         (self.noise * first, self.noise * second)
     }
 
-    /// Present state.
-    pub fn state(&self) -> &State {
-        &self.state
-    }
-
-    /// Measurements of the sensors.
-    pub fn measured(&self) -> Measured {
+    /// Writes what the sensors measure.
+    pub fn measure(&self, message: &mut LateralMotion) {
         let State { lateral_acceleration_mps2, steering_rad, sensed_radps, .. } = self.state;
-        let yaw_rate_radps = self.sensor.measured(sensed_radps);
-        Measured { yaw_rate_radps, lateral_acceleration_mps2, steering_rad }
+        message.yaw_rate_radps = self.sensor.measured(sensed_radps);
+        message.lateral_acceleration_mps2 = lateral_acceleration_mps2;
+        message.steering_rad = steering_rad;
     }
 
     /// Pose of the front bumper's middle with the body's heading, in the frame that begins with the road.

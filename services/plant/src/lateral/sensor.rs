@@ -2,7 +2,6 @@
 
 use scenario::lateral::YawRateSensor as Keys;
 
-/// The sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct YawRateSensor {
     /// Share of the way to the true rate in one period.

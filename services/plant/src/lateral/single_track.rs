@@ -19,7 +19,6 @@ use serde::{Deserialize, Serialize};
 /// Speed from which the track has dynamics of its own, m/s. Chosen: its time constants are below 0.05 s there.
 const DYNAMIC_MPS: f64 = 5.0;
 
-/// A single track with its tyres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingleTrack {
     /// Distance of the centre of gravity from the front and the rear axle, m.
@@ -37,9 +36,7 @@ pub struct SingleTrack {
 /// Motion of the centre of gravity across the body's axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slip {
-    /// Lateral speed, m/s.
     pub lateral_mps: f64,
-    /// Yaw rate, rad/s.
     pub yaw_radps: f64,
 }
 

@@ -37,18 +37,15 @@ const TRACTION_FROM_MPS: f64 = 1.0;
 /// Acceleration of gravity, m/s².
 const GRAVITY_MPS2: f64 = 9.81;
 
-/// State of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Position of the front bumper along the road, m from the start.
     pub position_m: f64,
     /// Speed, m/s, never negative.
     pub speed_mps: f64,
-    /// Acceleration, m/s².
     pub acceleration_mps2: f64,
 }
 
-/// The ego vehicle.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Vehicle {
     tau_s: f64,
@@ -183,7 +180,6 @@ impl Vehicle {
         self.state.position_m = position_m;
     }
 
-    /// Present state.
     pub fn state(&self) -> State {
         self.state
     }

@@ -6,7 +6,7 @@
 //! Between two samples the ego moves evenly. So two figures are interpolated, as in the papers: the time at a stop
 //! line, and the place at a signal's switch.
 
-use crate::report::ControlFigures;
+use crate::report::{ControlFigures, Outcome};
 use scenario::Scenario;
 use scenario::referee::DesiredGap;
 use serde::{Deserialize, Serialize};
@@ -21,8 +21,9 @@ mod signals;
 
 pub use plane::InPlane;
 use plane::PlaneFigures;
+pub use signals::SignalTruth;
 use signals::StopLines;
-pub use signals::{MAX_SIGNALS, SignalTruth};
+pub(crate) use signals::shown;
 
 /// Slowest closing speed for which a time to collision counts, m/s. Chosen: rounding of two equal speeds is far below.
 const CLOSING_MPS: f64 = 0.01;
@@ -32,18 +33,12 @@ const CLOSING_MPS: f64 = 0.01;
 pub enum Violation {
     /// The gap to the vehicle ahead was used up.
     Collision {
-        /// When, s.
         time_s: f64,
         /// Speed difference at contact, m/s.
         closing_mps: f64,
     },
     /// A stop line was crossed on red.
-    RedLight {
-        /// When, s.
-        time_s: f64,
-        /// Signal.
-        id: u32,
-    },
+    RedLight { time_s: f64, id: u32 },
 }
 
 /// Watches one run.
@@ -114,7 +109,7 @@ impl Referee {
         now_ns: u64,
         ego: &State,
         ahead: Option<&Ahead>,
-        signals: &[SignalTruth],
+        signals: impl IntoIterator<Item = SignalTruth>,
         in_plane: Option<&InPlane>,
     ) -> Option<Violation> {
         let sample = Sample { time_s: seconds(now_ns), ego: *ego };
@@ -136,8 +131,12 @@ impl Referee {
                 plane.add(in_plane, period_s, &mut self.figures);
             }
         }
-        let red_light =
-            self.stop_lines.observe(self.last.as_ref(), &sample, signals, &mut self.figures);
+        let red_light = self.stop_lines.observe(
+            self.last.as_ref(),
+            &sample,
+            signals.into_iter(),
+            &mut self.figures,
+        );
         self.last = Some(sample);
         if self.violation.is_some() {
             return None;
@@ -159,6 +158,14 @@ impl Referee {
     /// The first violation of the run.
     pub fn violation(&self) -> Option<Violation> {
         self.violation
+    }
+
+    /// End of the run by the first violation.
+    pub(crate) fn outcome(&self) -> Option<Outcome> {
+        Some(match self.violation? {
+            Violation::Collision { .. } => Outcome::Collision,
+            Violation::RedLight { .. } => Outcome::RedLight,
+        })
     }
 
     fn motion(&mut self, sample: &Sample) {

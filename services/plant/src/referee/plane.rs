@@ -13,7 +13,6 @@ use crate::report::ControlFigures;
 pub struct InPlane {
     /// Distance of the front bumper's middle from the axis, m.
     pub lateral_m: f64,
-    /// Lateral acceleration, m/s².
     pub lateral_acceleration_mps2: f64,
     /// Closing speed of a body that the ego touches, m/s; `None` without contact.
     pub closing_at_contact_mps: Option<f64>,

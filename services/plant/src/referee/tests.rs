@@ -40,7 +40,7 @@ fn pass(speed: f64, stop_line_m: f64, phase: Phase, ends_s: f64) -> Referee {
         if t >= ends_s {
             truth = SignalTruth { phase: truth.next_phase, ends_ns: None, ..truth };
         }
-        referee.observe(k * PERIOD_NS, &state(speed * t, speed, 0.0), None, &[truth], None);
+        referee.observe(k * PERIOD_NS, &state(speed * t, speed, 0.0), None, [truth], None);
     }
     referee
 }
@@ -73,8 +73,8 @@ fn a_red_light_is_judged_at_the_instant_of_crossing() {
 fn a_signal_that_is_no_longer_announced_still_counts() {
     let mut referee = Referee::new(&scenario("cacc-a"), &Numbers::DEFAULT);
     let red = SignalTruth { ends_ns: None, ..signal(1, 5.0, Phase::Red, 0.0) };
-    assert_eq!(referee.observe(0, &state(4.9, 15.0, 0.0), None, &[red], None), None);
-    let violation = referee.observe(PERIOD_NS, &state(5.05, 15.0, 0.0), None, &[], None);
+    assert_eq!(referee.observe(0, &state(4.9, 15.0, 0.0), None, [red], None), None);
+    let violation = referee.observe(PERIOD_NS, &state(5.05, 15.0, 0.0), None, [], None);
     assert!(matches!(violation, Some(Violation::RedLight { id: 1, .. })));
 }
 
@@ -93,7 +93,7 @@ fn the_reference_run_of_scenario_a_gives_the_reference_figures() {
         let ahead = Ahead { gap_m: row[7], speed_mps: row[8], acceleration_mps2: 0.0 };
         let now_ns = k as u64 * 100_000_000;
         let violation =
-            referee.observe(now_ns, &state(row[1], row[2], row[3]), Some(&ahead), &[truth], None);
+            referee.observe(now_ns, &state(row[1], row[2], row[3]), Some(&ahead), [truth], None);
         assert_eq!(violation, None);
     }
     let figures = referee.figures();
@@ -108,12 +108,12 @@ fn a_collision_is_reported_once() {
     let mut referee = Referee::new(&scenario("following"), &Numbers::DEFAULT);
     let ahead = |gap_m| Ahead { gap_m, speed_mps: 10.0, acceleration_mps2: 0.0 };
     let ego = state(0.0, 15.0, 0.0);
-    assert_eq!(referee.observe(0, &ego, Some(&ahead(0.01)), &[], None), None);
+    assert_eq!(referee.observe(0, &ego, Some(&ahead(0.01)), [], None), None);
     assert_eq!(
-        referee.observe(PERIOD_NS, &ego, Some(&ahead(-0.04)), &[], None),
+        referee.observe(PERIOD_NS, &ego, Some(&ahead(-0.04)), [], None),
         Some(Violation::Collision { time_s: 0.01, closing_mps: 5.0 })
     );
-    assert_eq!(referee.observe(2 * PERIOD_NS, &ego, Some(&ahead(-0.09)), &[], None), None);
+    assert_eq!(referee.observe(2 * PERIOD_NS, &ego, Some(&ahead(-0.09)), [], None), None);
     assert!(matches!(referee.violation(), Some(Violation::Collision { .. })));
     assert_eq!(referee.figures().min_ttc_s, Some(0.0));
     assert_eq!(referee.figures().impact_speed_mps, Some(5.0));
@@ -123,7 +123,7 @@ fn a_collision_is_reported_once() {
 fn figures_that_do_not_apply_are_absent() {
     let mut referee = Referee::new(&following(), &Numbers::DEFAULT);
     assert_eq!(*referee.figures(), ControlFigures::default());
-    referee.observe(0, &state(0.0, 25.0, 0.5), None, &[], None);
+    referee.observe(0, &state(0.0, 25.0, 0.5), None, [], None);
     let figures = referee.figures();
     assert_eq!(figures.min_gap_m, None);
     assert_eq!(figures.min_ttc_s, None);
@@ -133,7 +133,7 @@ fn figures_that_do_not_apply_are_absent() {
     assert_eq!(figures.min_accel_mps2, Some(0.5));
     // An opening gap has no time to collision.
     let ahead = Ahead { gap_m: 30.0, speed_mps: 26.0, acceleration_mps2: 0.0 };
-    referee.observe(PERIOD_NS, &state(0.25, 25.0, 0.4), Some(&ahead), &[], None);
+    referee.observe(PERIOD_NS, &state(0.25, 25.0, 0.4), Some(&ahead), [], None);
     let figures = referee.figures();
     assert_eq!(figures.min_ttc_s, None);
     assert_eq!(figures.final_gap_error_m, Some(30.0 - (1.5 * 25.0 + 5.0)));
@@ -147,7 +147,7 @@ fn the_step_of_the_acceleration_at_a_stop_is_no_jerk() {
         let mut referee = Referee::new(&scenario("following"), &Numbers::DEFAULT);
         let motion = [(0.05, -2.5), (0.025, -2.5), (0.0, last), (0.0, 0.0), (0.001, 0.1)];
         for (index, (speed, acceleration)) in (0..).zip(motion) {
-            referee.observe(index * PERIOD_NS, &state(0.0, speed, acceleration), None, &[], None);
+            referee.observe(index * PERIOD_NS, &state(0.0, speed, acceleration), None, [], None);
         }
         let jerk = referee.figures().max_abs_jerk_mps3.expect("five samples");
         assert!(
@@ -161,7 +161,7 @@ fn the_step_of_the_acceleration_at_a_stop_is_no_jerk() {
 fn a_stop_is_a_stand_after_a_drive() {
     let mut referee = Referee::new(&scenario("following"), &Numbers::DEFAULT);
     for (index, speed) in (0..).zip([0.0, 10.0, 0.0, 0.0, 0.5, 0.0, 0.6, 0.0, 3.0]) {
-        referee.observe(index * PERIOD_NS, &state(0.0, speed, 0.0), None, &[], None);
+        referee.observe(index * PERIOD_NS, &state(0.0, speed, 0.0), None, [], None);
     }
     assert_eq!(referee.figures().stops, Some(2), "creeping between two stands makes them one");
 }
@@ -174,7 +174,7 @@ fn mean_squares_weigh_by_time() {
         [(0, 90.0, 0.0), (PERIOD_NS, 38.0, 0.1), (4 * PERIOD_NS, 34.0, 0.1)]
     {
         let ahead = Ahead { gap_m, speed_mps: 20.0, acceleration_mps2: 0.0 };
-        referee.observe(time_ns, &state(0.0, 20.0, acceleration), Some(&ahead), &[], None);
+        referee.observe(time_ns, &state(0.0, 20.0, acceleration), Some(&ahead), [], None);
     }
     let figures = referee.figures();
     let rms = figures.rms_gap_error_m.expect("a lead");
@@ -188,7 +188,7 @@ fn mean_squares_weigh_by_time() {
 fn a_gap_that_only_the_law_has_has_no_error() {
     let mut referee = Referee::new(&scenario("six-mode"), &Numbers::DEFAULT);
     let ahead = Ahead { gap_m: 30.0, speed_mps: 26.0, acceleration_mps2: 0.0 };
-    referee.observe(0, &state(0.0, 25.0, 0.0), Some(&ahead), &[], None);
+    referee.observe(0, &state(0.0, 25.0, 0.0), Some(&ahead), [], None);
     assert_eq!(referee.figures().final_gap_error_m, None);
     assert_eq!(referee.figures().min_gap_m, Some(30.0));
 }
@@ -200,7 +200,7 @@ fn more_signals_than_slots_drop_the_ones_behind() {
         let position = 100.0 * f64::from(k);
         let ahead = signal(k, position + 50.0, Phase::Red, 1e6);
         let now_ns = u64::from(k) * PERIOD_NS;
-        let violation = referee.observe(now_ns, &state(position, 10.0, 0.0), None, &[ahead], None);
+        let violation = referee.observe(now_ns, &state(position, 10.0, 0.0), None, [ahead], None);
         assert_eq!(violation.is_some(), k == 1);
     }
     assert_eq!(referee.red_lights(), 99);
@@ -217,7 +217,7 @@ proptest! {
         for (k, (x, v, a, gap_m, speed_mps, line)) in samples.into_iter().enumerate() {
             let ahead = Ahead { gap_m, speed_mps, acceleration_mps2: 0.0 };
             let truth = signal(1, line, Phase::Green, 0.1);
-            referee.observe(k as u64 * PERIOD_NS, &state(x, v, a), Some(&ahead), &[truth], None);
+            referee.observe(k as u64 * PERIOD_NS, &state(x, v, a), Some(&ahead), [truth], None);
         }
         let f = referee.figures();
         for figure in [

@@ -70,13 +70,10 @@ pub struct WorstChain {
     pub t_s: f64,
     /// Sequence number of the radar sample.
     pub radar_sequence: u64,
-    /// Sequence number of the command.
     pub command_sequence: u64,
     /// Radar acquisition to actuation, µs.
     pub reaction_time_us: f64,
-    /// The designed waits in it, µs.
     pub designed_wait_us: f64,
-    /// Its parts, µs.
     pub hops_us: HopTimes,
     /// True if the control cycle finished after its deadline.
     pub deadline_missed: bool,
@@ -86,7 +83,6 @@ pub struct WorstChain {
     pub radar_age_us: Option<f64>,
     /// Age of the signal timing then, µs; null without a sample.
     pub spat_age_us: Option<f64>,
-    /// Iterations of the law's solver.
     pub solver_iterations: u32,
     /// Mode of the law, an index.
     pub mode: u32,

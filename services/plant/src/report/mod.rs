@@ -16,7 +16,6 @@ pub struct PlantReport {
     pub outcome: Outcome,
     /// Run time reached, s.
     pub duration_s: f64,
-    /// Figures of the drive.
     pub control: ControlFigures,
     /// The plant's way on the degradation ladder.
     pub rungs: Levels,
@@ -44,7 +43,6 @@ pub struct PlantReport {
     pub brake_hops_us: Hops,
     /// A signal's change to the first actuation with the new phase behind it.
     pub signal_reaction_us: Option<Percentiles>,
-    /// Its parts.
     pub signal_hops_us: SignalHops,
     /// Control periods whose deadline passed, by the plant's own schedule.
     pub commands_due: u64,
@@ -54,13 +52,6 @@ pub struct PlantReport {
     pub late_reactions: u64,
     /// Histograms of the reaction time, the data age and the parts, by their names.
     pub histograms: BTreeMap<String, Latencies>,
-}
-
-impl PlantReport {
-    /// A report with this outcome and no figure.
-    pub fn empty(outcome: Outcome) -> Self {
-        Self { outcome, ..Self::default() }
-    }
 }
 
 /// End of a run.
@@ -109,9 +100,7 @@ pub struct ControlFigures {
     pub max_abs_jerk_mps3: Option<f64>,
     /// Root mean square of the jerk over time, m/s³; without that step.
     pub rms_jerk_mps3: Option<f64>,
-    /// Smallest acceleration, m/s².
     pub min_accel_mps2: Option<f64>,
-    /// Largest acceleration, m/s².
     pub max_accel_mps2: Option<f64>,
     /// Time when the first stop line was crossed, s.
     pub stop_line_crossing_s: Option<f64>,
@@ -123,7 +112,6 @@ pub struct ControlFigures {
     pub wheel_energy_kwh_per_100km: Option<f64>,
     /// Fuel, L/100 km; trucks only, as what follows.
     pub fuel_l_per_100km: Option<f64>,
-    /// Shifts of the gearbox.
     pub gear_shifts: Option<u64>,
     /// Time with the service brakes applied, s.
     pub service_brake_s: Option<f64>,

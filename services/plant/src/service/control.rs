@@ -4,14 +4,14 @@ use messages::{Command, Header, Origin, Origins, PLAN_LEN};
 use runtime::{Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
+use truck_model::Demand;
 
-use crate::chains::Chains;
+use crate::chains::{CONTROL_PATH, Chains};
 use crate::delivery::{Arrival, Delivery};
-use crate::gateway::{Actuation, EngineRequest, Gateway};
+use crate::gateway::{Actuation, Gateway};
 use crate::parts::Actuated;
 use crate::signal_chain::SignalChain;
 use crate::timeliness::Timeliness;
-use crate::times::CONTROL_PATH;
 
 /// The path with its port.
 pub(super) struct Control {
@@ -44,7 +44,6 @@ impl Counted {
 }
 
 impl Control {
-    /// Opens the port.
     pub(super) fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         let deadline_ns = i64::from(scenario.controller.deadline().value()) * 1_000_000;
         let period_ns = i64::from(scenario.controller.period_ms.value()) * 1_000_000;
@@ -99,8 +98,8 @@ impl Control {
         }
         // The plan is moved by the delay with the rest of the command.
         let start_ns = released_ns + delay_ns;
-        let engine = (command.has_torque != 0).then(|| EngineRequest {
-            torque_nm: command.engine_torque_nm,
+        let engine = (command.has_torque != 0).then(|| Demand {
+            engine_torque_nm: command.engine_torque_nm,
             service_brake_n: command.service_brake_n,
             gear: (command.gear as usize).checked_sub(1),
         });
@@ -123,17 +122,17 @@ impl Control {
     pub(super) fn counted(&self) -> Counted {
         Counted {
             timeliness: self.timeliness,
-            last_radar: self.chains.last_radar(),
+            last_radar: self.chains.last_radar,
             longest_gap_ns: self.longest_gap_ns,
-            undelivered: self.delivery.undelivered(),
+            undelivered: self.delivery.undelivered,
         }
     }
 
     /// Goes on from what another process counted.
     pub(super) fn restore(&mut self, counted: &Counted) {
         self.timeliness = counted.timeliness;
-        self.chains.restore(counted.last_radar);
+        self.chains.last_radar = counted.last_radar;
         self.longest_gap_ns = counted.longest_gap_ns;
-        self.delivery.restore(counted.undelivered);
+        self.delivery.undelivered = counted.undelivered;
     }
 }

@@ -1,6 +1,6 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
-use crate::braking::Braking;
+use crate::brake::Braking;
 use crate::ego::Ego;
 use crate::gateway::Source;
 use crate::unit_car::{Moment, UnitCar};
@@ -164,16 +164,7 @@ impl Plant {
             let powertrain = truck.powertrain();
             self.control.gateway.engine_gives(powertrain.engine_torque_nm);
             publisher.send_with(|message: &mut Powertrain| {
-                message.header = header;
-                message.gear = powertrain.gear as u32 + 1;
-                message.shifts = powertrain.shifts;
-                message.since_shift_s = powertrain.since_shift_s;
-                message.engine_speed_rpm = powertrain.engine_speed_rpm;
-                message.engine_torque_nm = powertrain.engine_torque_nm;
-                message.service_brake_n = powertrain.service_brake_n;
-                message.fuel_gps = powertrain.fuel_gps;
-                message.fuel_g = powertrain.fuel_g;
-                message.specific_force_mps2 = powertrain.specific_force_mps2;
+                *message = Powertrain { header, ..powertrain };
             })?;
         }
         let request_mps2 = self.request_mps2;

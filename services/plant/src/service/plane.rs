@@ -9,18 +9,18 @@ use scenario::event::VEHICLE_WIDTH_M;
 
 use crate::contact::{Rectangle, closing_at_contact};
 use crate::ego::Ego;
-use crate::lateral::{self, Lateral};
+use crate::lateral::Lateral;
 use crate::longitudinal::State;
 use crate::numbers::Numbers;
+use crate::referee::InPlane;
 
 /// Distance of two bodies' middles up to which contact is looked for, m. Chosen: two half lorries of 16.5 m and the way
 /// of two periods.
 const CONTACT_WITHIN_M: f64 = 30.0;
-use crate::referee::InPlane;
 
 /// Motion across the road with its ports.
 pub(super) struct Plane {
-    lateral: Lateral,
+    pub(super) lateral: Lateral,
     sensors: Publisher<LateralMotion>,
     pose: Publisher<EgoPose>,
     others: Subscriber<VehiclePoses>,
@@ -47,14 +47,11 @@ impl Plane {
 
     /// Sends what the sensors measure, and the truth.
     pub(super) fn publish(&mut self, header: Header, ego: &State) -> Result<(), RuntimeError> {
-        let measured = self.lateral.measured();
+        let lateral = &self.lateral;
         self.sensors.send_with(|message| {
             message.header = header;
-            message.yaw_rate_radps = measured.yaw_rate_radps;
-            message.lateral_acceleration_mps2 = measured.lateral_acceleration_mps2;
-            message.steering_rad = measured.steering_rad;
+            lateral.measure(message);
         })?;
-        let lateral = &self.lateral;
         self.pose.send_with(|message| {
             message.header = header;
             lateral.write(ego, message);
@@ -77,7 +74,7 @@ impl Plane {
         ego: &State,
         vehicles: Option<&AllVehicles>,
     ) -> InPlane {
-        let state = self.lateral.state();
+        let state = self.lateral.state;
         let body = || {
             let front = self.lateral.placed(ego.position_m);
             Rectangle::behind(&front, self.length_m, VEHICLE_WIDTH_M)
@@ -108,15 +105,5 @@ impl Plane {
         if let Some(position_m) = self.lateral.step(from, &ego.state()) {
             ego.place(position_m);
         }
-    }
-
-    /// State that outlives the process.
-    pub(super) fn state(&self) -> lateral::State {
-        *self.lateral.state()
-    }
-
-    /// Goes on from what another process kept.
-    pub(super) fn restore(&mut self, kept: &lateral::State) {
-        self.lateral.restore(kept);
     }
 }

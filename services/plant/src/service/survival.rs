@@ -8,12 +8,13 @@ use serde::{Deserialize, Serialize};
 
 use super::Plant;
 use super::control::Counted;
-use super::plane::Plane;
-use crate::braking::{self, Braking};
-use crate::referee::{Referee, Violation};
-use crate::report::{ControlFigures, Outcome, PlantReport};
+use crate::brake::{self, Braking};
+use crate::chains::{BRAKE_PATH, CONTROL_PATH, Chains};
+use crate::referee::Referee;
+use crate::report::{ControlFigures, Hops, Outcome, PlantReport};
+use crate::signal_chain::SignalChain;
 use crate::truck::Truck;
-use crate::{ego, gateway, lateral, times};
+use crate::{ego, gateway, lateral};
 
 /// The state. It is written by reference, which allocates nothing, and read as values.
 #[derive(Serialize, Deserialize)]
@@ -21,38 +22,56 @@ pub(super) struct Snapshot<R = Referee, L = LevelLog> {
     step: u64,
     time_s: f64,
     ego: ego::Snapshot,
-    gateway: gateway::Snapshot,
+    gateway: gateway::Kept,
     referee: R,
     request_mps2: f64,
-    braking: Option<braking::Snapshot>,
+    braking: Option<brake::Snapshot>,
     plane: Option<lateral::State>,
     counted: Counted,
     levels: L,
 }
 
-/// Figures of a plant that ended, up to the last cycle that it kept; `None` if it kept none.
+/// Figures of a plant that ended, up to the last cycle that it kept; `None` if it kept none. The longest chains died
+/// with it.
 pub fn last_known(group: &Group) -> Option<PlantReport> {
     let kept: Snapshot = Checkpoint::last(group, Service::Plant)?;
-    let outcome = match kept.referee.violation() {
-        Some(Violation::Collision { .. }) => Outcome::Collision,
-        Some(Violation::RedLight { .. }) => Outcome::RedLight,
-        None => Outcome::Aborted,
-    };
     let counts = ServiceCounts::of(group, Service::Plant);
-    let times = times::last(outcome, counts.figures());
+    let times = || -> Result<PlantReport, RuntimeError> {
+        let figures = counts.figures();
+        // Late chains were counted.
+        let chains = |path| Chains::open(i64::MAX, path, figures);
+        let brake = chains(BRAKE_PATH)?;
+        Ok(times(&chains(CONTROL_PATH)?, Some(&brake), &SignalChain::open(figures)?))
+    };
     Some(PlantReport {
+        outcome: kept.referee.outcome().unwrap_or(Outcome::Aborted),
         duration_s: kept.time_s,
         control: kept.referee.figures().clone(),
         aebs: kept.braking.map(|braking| braking.figures),
-        ..counted(
-            times.unwrap_or_else(|_| PlantReport::empty(outcome)),
-            &kept.counted,
-            &kept.levels,
-        )
+        ..counted(times().unwrap_or_default(), &kept.counted, &kept.levels)
     })
 }
 
-/// Completes a report by counts and levels.
+fn times(control: &Chains, brake: Option<&Chains>, signals: &SignalChain) -> PlantReport {
+    let mut histograms = control.histograms();
+    histograms.extend(signals.histograms());
+    PlantReport {
+        reaction_time_us: control.times.reaction.percentiles_us(),
+        data_age_us: control.times.age.percentiles_us(),
+        designed_wait_us: control.times.designed_wait.percentiles_us(),
+        net_reaction_us: control.times.net_reaction.percentiles_us(),
+        hops_us: control.hops_us(),
+        worst_chains: control.worst.chains.clone(),
+        late_reactions: control.times.late.get(),
+        brake_reaction_time_us: brake.and_then(|brake| brake.times.reaction.percentiles_us()),
+        brake_hops_us: brake.map_or_else(Hops::default, Chains::hops_us),
+        signal_reaction_us: signals.whole.percentiles_us(),
+        signal_hops_us: signals.hops_us(),
+        histograms,
+        ..PlantReport::default()
+    }
+}
+
 fn counted(report: PlantReport, counted: &Counted, levels: &LevelLog) -> PlantReport {
     PlantReport {
         rungs: levels.report(),
@@ -71,13 +90,13 @@ impl Plant {
         runtime.resume_after(kept.step);
         self.ego.restore(kept.ego);
         self.world.referee.restore(kept.referee);
-        self.control.gateway.restore(&kept.gateway);
+        self.control.gateway.kept = kept.gateway;
         self.request_mps2 = kept.request_mps2;
         if let (Some(braking), Some(kept)) = (&mut self.braking, kept.braking) {
             braking.restore(kept);
         }
         if let (Some(plane), Some(kept)) = (&mut self.plane, kept.plane) {
-            plane.restore(&kept);
+            plane.lateral.state = kept;
         }
         self.levels = kept.levels;
         self.time_s = kept.time_s;
@@ -90,11 +109,11 @@ impl Plant {
             step,
             time_s: self.time_s,
             ego: self.ego.snapshot(),
-            gateway: self.control.gateway.snapshot(),
+            gateway: self.control.gateway.kept,
             referee: &self.world.referee,
             request_mps2: self.request_mps2,
             braking: self.braking.as_ref().map(Braking::snapshot),
-            plane: self.plane.as_ref().map(Plane::state),
+            plane: self.plane.as_ref().map(|plane| plane.lateral.state),
             counted: self.control.counted(),
             levels: &self.levels,
         })
@@ -102,11 +121,9 @@ impl Plant {
 
     pub(super) fn report(&self) -> PlantReport {
         let referee = &self.world.referee;
-        let outcome = match referee.violation() {
-            Some(Violation::Collision { .. }) => Outcome::Collision,
-            Some(Violation::RedLight { .. }) => Outcome::RedLight,
-            None if self.stopped_for_want_of_commands => Outcome::SafeStop,
-            None => Outcome::Completed,
+        let undisturbed = match self.stopped_for_want_of_commands {
+            true => Outcome::SafeStop,
+            false => Outcome::Completed,
         };
         let truck = self.ego.truck();
         let control = ControlFigures {
@@ -116,8 +133,9 @@ impl Plant {
             ..referee.figures().clone()
         };
         let brake = self.braking.as_ref().map(|braking| &braking.chains);
-        let times = times::report(outcome, &self.control.chains, brake, &self.control.signal_chain);
+        let times = times(&self.control.chains, brake, &self.control.signal_chain);
         PlantReport {
+            outcome: referee.outcome().unwrap_or(undisturbed),
             duration_s: self.time_s,
             control,
             aebs: self.braking.as_ref().map(|braking| braking.account.figures.clone()),

@@ -3,24 +3,13 @@
 use messages::{AllVehicles, MAX_TRACKS, MoreVehicles, SignalTruth, VehicleTruth};
 use runtime::{Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
-use scenario::v2x::Phase;
 
 use super::plane::Plane;
 use crate::clear::ClearWatch;
 use crate::longitudinal::State;
 use crate::numbers::Numbers;
-use crate::referee::{self, MAX_SIGNALS, Referee, Violation};
+use crate::referee::{self, Referee, Violation};
 use crate::surroundings::{Meets, Surroundings};
-use crate::truth;
-
-/// Filler for unused signal slots.
-const DARK: referee::SignalTruth = referee::SignalTruth {
-    id: 0,
-    stop_line_m: 0.0,
-    phase: Phase::Red,
-    ends_ns: None,
-    next_phase: Phase::Red,
-};
 
 /// The ports, and what judges by them.
 pub(super) struct World {
@@ -31,8 +20,6 @@ pub(super) struct World {
     newest: AllVehicles,
     has_newest: bool,
     signals: Subscriber<SignalTruth>,
-    /// Room for the signals as the referee watches them.
-    shown: [referee::SignalTruth; MAX_SIGNALS],
     surroundings: Surroundings,
     pub(super) referee: Referee,
     /// Set in a run that ends when the ego is clear of all others.
@@ -40,7 +27,6 @@ pub(super) struct World {
 }
 
 impl World {
-    /// Opens the ports.
     pub(super) fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         Ok(Self {
             vehicles: runtime.subscriber()?,
@@ -48,7 +34,6 @@ impl World {
             newest: AllVehicles::with_room(scenario.actors.len()),
             has_newest: false,
             signals: runtime.subscriber()?,
-            shown: [DARK; MAX_SIGNALS],
             surroundings: Surroundings::new(scenario, &Numbers::DEFAULT),
             referee: Referee::new(scenario, &Numbers::DEFAULT),
             clear: ClearWatch::of(scenario),
@@ -74,12 +59,10 @@ impl World {
         self.has_newest.then_some(&self.newest)
     }
 
-    /// The newest signals.
     pub(super) fn signals(&self) -> Option<&SignalTruth> {
         self.signals.newest()
     }
 
-    /// The ego's surroundings at a release.
     pub(super) fn meets(&mut self, release: &Release, ego: &State) -> Meets {
         let vehicles = self.has_newest.then_some(&self.newest);
         self.surroundings.of(ego, release.time_s, vehicles, self.signals.newest())
@@ -92,14 +75,12 @@ impl World {
         ego: &State,
         plane: Option<&Plane>,
     ) -> Option<Violation> {
-        let count =
-            self.signals.newest().map_or(0, |newest| truth::signals(newest, &mut self.shown));
         let vehicles = self.has_newest.then_some(&self.newest);
         let ahead = vehicles
             .and_then(|newest| self.surroundings.ahead(newest, ego.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
         let in_plane = plane.map(|plane| plane.sample(release, ego, vehicles));
-        let shown = &self.shown[..count];
+        let shown = self.signals.newest().into_iter().flat_map(referee::SignalTruth::all);
         self.referee.observe(now_ns, ego, ahead.as_ref(), shown, in_plane.as_ref())
     }
 
