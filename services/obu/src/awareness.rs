@@ -15,12 +15,9 @@ const WIDTH_DM: u8 = 19;
 const CAR: u8 = 5;
 const TRUCK: u8 = 8;
 
-/// Constants of the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vehicle {
-    /// Station id.
     pub station_id: u32,
-    /// Length, m.
     pub length_m: f64,
     /// True for a heavy truck, false for a car.
     pub is_truck: bool,
@@ -42,7 +39,6 @@ impl Awareness {
         Self { vehicle, triggers: Triggers::default(), plane: road_plane(origin), heading_deg }
     }
 
-    /// The frame that is due at `moment`, if one is.
     pub fn due(&mut self, odometry: &Odometry, moment: &Moment) -> Option<Vec<u8>> {
         let (position_m, speed_mps) = odometry.moved_to(moment.now_ns as f64 / 1e9);
         let motion = triggers::Motion { position_m, speed_mps, heading_deg: self.heading_deg };

@@ -19,7 +19,6 @@ const NO_GROUP: u8 = 0;
 /// An intersection, as its frames describe it.
 #[derive(Clone, Debug)]
 pub struct Intersection {
-    /// Id.
     pub id: u16,
     /// Frames about it.
     frames: u64,
@@ -99,7 +98,6 @@ impl Intersection {
         Some(StopLine { signal_group: NO_GROUP, position_m })
     }
 
-    /// Takes a sender's timing.
     pub fn take_timing(
         &mut self,
         station: u32,

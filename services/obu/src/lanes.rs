@@ -15,9 +15,7 @@ const HALF_WIDTH_M: f64 = 1.75;
 /// A stop line on the vehicle's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopLine {
-    /// Signal group that governs it.
     pub signal_group: u8,
-    /// Position on the path, m.
     pub position_m: f64,
 }
 

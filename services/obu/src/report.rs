@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 /// Frames on air, by what the on-board unit made of them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObuReport {
-    /// Frames that arrived.
     pub frames: u64,
     /// Frames that arrived and for which a batch had no room.
     pub left_out: u64,
@@ -17,7 +16,6 @@ pub struct ObuReport {
     /// Signed frames with the signers that they name; absent without such a frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub signed: Option<Signers>,
-    /// CAMs that it sent.
     pub cams_sent: u64,
     /// Time from the sending of a frame to its arrival.
     pub air_us: Option<Percentiles>,

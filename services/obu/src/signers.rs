@@ -10,16 +10,13 @@ const MOST_SIGNERS: usize = 16;
 /// Signed frames and their signers, since the process began.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Signers {
-    /// Signed frames.
     pub frames: u64,
     /// Signers that the envelopes name, at most 16: the digest of a certificate, `certificates` or `self`.
     pub not_verified: BTreeMap<String, Signed>,
 }
 
-/// Frames of one signer.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Signed {
-    /// Frames that name it.
     pub frames: u64,
     /// Generation time of the last one, ms since the Unix epoch, UTC.
     pub generated_ms: Option<i64>,

@@ -16,7 +16,6 @@ const CERTAIN: u8 = 15;
 /// A phase and its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Announced {
-    /// Phase that is shown.
     pub state: PhaseState,
     /// Earliest, likely and latest end, s of run time; infinite if no end is planned.
     pub ends_s: [f64; 3],
@@ -34,7 +33,6 @@ impl Announced {
 /// Announced phases of one signal group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timing {
-    /// The signal group.
     pub signal_group: u8,
     /// The present phase and those that follow.
     pub phases: Vec<Announced>,

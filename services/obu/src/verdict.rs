@@ -4,7 +4,6 @@ use its::DecodeError;
 use runtime::{Count, Figures, RuntimeError};
 use std::collections::BTreeMap;
 
-/// Verdict on a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// New, and consistent with the rest.
@@ -67,7 +66,6 @@ impl From<&DecodeError> for Verdict {
     }
 }
 
-/// Counts of the verdicts.
 #[derive(Debug, Default)]
 pub struct Verdicts([Count; Verdict::ALL.len()]);
 
@@ -84,17 +82,14 @@ impl Verdicts {
         Ok(all)
     }
 
-    /// Adds one.
     pub fn count(&mut self, verdict: Verdict) {
         self.0[verdict as usize].add(1);
     }
 
-    /// Count of `verdict`.
     pub fn of(&self, verdict: Verdict) -> u64 {
         self.0[verdict as usize].get()
     }
 
-    /// All counts by name.
     pub fn by_name(&self) -> BTreeMap<String, u64> {
         Verdict::ALL.iter().map(|(verdict, name)| ((*name).to_owned(), self.of(*verdict))).collect()
     }

@@ -9,7 +9,6 @@ pub enum ReadError {
     /// It cannot be opened.
     #[error("cannot read {}: {reason}", path.display())]
     File {
-        /// The file.
         path: PathBuf,
         /// Cause by the system.
         reason: std::io::Error,
@@ -17,7 +16,6 @@ pub enum ReadError {
     /// It is not a recording of timegap.
     #[error("{} is not a recording of timegap: {reason}", path.display())]
     Foreign {
-        /// The file.
         path: PathBuf,
         /// The missing part.
         reason: String,
@@ -28,9 +26,7 @@ pub enum ReadError {
          version", path.display(), program.escape_debug()
     )]
     Layout {
-        /// The file.
         path: PathBuf,
-        /// Program that recorded it.
         program: String,
         /// A topic whose schema differs.
         topic: String,
@@ -46,17 +42,12 @@ pub enum Damage {
         bytes: u64,
     },
     /// The summary behind the messages is damaged; its content comes from the messages instead.
-    Summary {
-        /// Its length, bytes.
-        bytes: u64,
-    },
+    Summary { bytes: u64 },
     /// A chunk, or another record, is damaged and was left out.
     Chunk {
         /// Place in the file.
         offset: u64,
-        /// Its length, bytes.
         bytes: u64,
-        /// The damage.
         reason: String,
     },
 }

@@ -68,7 +68,6 @@ impl Definitions {
         }
     }
 
-    /// The topic of a channel.
     pub(crate) fn topic(&self, channel: u16) -> Option<Topic> {
         self.channels.get(&channel).copied()
     }

@@ -10,7 +10,6 @@ use messages::{Header, TOPICS, Topic};
 /// A topic for viewers: its messages are CDR, and its definition has the encoding `ros2msg`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channel {
-    /// Name of the topic.
     pub topic: &'static str,
     /// Name of its ROS 2 type.
     pub type_name: &'static str,

@@ -18,7 +18,6 @@ use std::time::SystemTime;
 pub enum ToRecorder {
     /// Connect to all senders, whose ports exist now.
     Connect,
-    /// Begin.
     Start(Start),
     /// Record what has been sent, and end.
     Finish,
@@ -39,7 +38,6 @@ pub struct Start {
 }
 
 impl Start {
-    /// The run's metadata.
     pub fn metadata(&self, scenario: &Scenario, mode: Mode) -> Metadata {
         let since_1970 =
             SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
@@ -59,14 +57,12 @@ pub enum FromRecorder {
     Ready,
     /// It cannot begin, or go on.
     Failed(String),
-    /// It has ended.
     Report(Report),
 }
 
 /// The account of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Report {
-    /// The counts.
     pub tally: Tally,
     /// Size of the file, bytes.
     pub bytes: u64,

@@ -17,13 +17,10 @@ const END: &str = "timegap.end";
 pub struct Metadata {
     /// Program and version that recorded.
     pub program: String,
-    /// Version of the message layouts.
     pub layout_version: String,
     /// The effective scenario, TOML.
     pub scenario: String,
-    /// Name of the scenario.
     pub scenario_name: String,
-    /// The control law.
     pub controller: String,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -50,36 +47,28 @@ pub const SIMULATED_START_NS: i64 = 1_767_225_600_000_000_000;
 /// Meaning of a law's numbers in `control/diagnostics`, by their place.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LawNames {
-    /// Modes.
     pub modes: Vec<String>,
     /// Reasons for a change of mode.
     pub reasons: Vec<String>,
-    /// Figures.
     pub figures: Vec<FigureName>,
 }
 
-/// A figure of a law.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FigureName {
-    /// Name.
     pub name: String,
-    /// Unit.
     pub unit: String,
 }
 
 /// The machine that a run was recorded on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Host {
-    /// Name.
     pub name: String,
-    /// Release of the kernel.
     pub kernel: String,
     /// Processors that the recorder may use.
     pub cpus: usize,
 }
 
 impl Host {
-    /// This machine.
     pub fn this() -> Self {
         let read = |path| std::fs::read_to_string(path).unwrap_or_default().trim().to_owned();
         Self {
@@ -127,7 +116,6 @@ impl Metadata {
         Self { programs, ..self }
     }
 
-    /// As a record of the file.
     pub(crate) fn to_record(&self) -> mcap::records::Metadata {
         let mut map: BTreeMap<String, String> = [
             ("program", self.program.clone()),
@@ -224,14 +212,12 @@ pub struct Tally {
 /// Counts of the recorder on one topic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TopicTally {
-    /// Messages in the file.
     pub messages: u64,
     /// Messages that were sent, by their sequence numbers, and are not in the file.
     pub lost: u64,
 }
 
 impl Tally {
-    /// Messages in the file.
     pub fn messages(&self) -> u64 {
         self.topics.values().map(|topic| topic.messages).sum()
     }

@@ -13,7 +13,6 @@ const LONGEST_RECORD: u64 = 16 << 20;
 const FOOTER_LENGTH: u64 = 20;
 /// Bytes of a summary that are checked at once.
 const BLOCK: u64 = 64 << 10;
-/// A file in outline.
 #[derive(Debug, Default)]
 pub(crate) struct Outline {
     pub(crate) metadata: Option<Metadata>,

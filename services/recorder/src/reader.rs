@@ -19,18 +19,14 @@ pub struct Survey {
     pub tally: Tally,
     /// Latest log time of any message, ns of run time.
     pub end_ns: i64,
-    /// Its damage.
     pub damage: Vec<Damage>,
 }
 
 /// A topic in a file's summary, one of ours or another.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TopicSummary {
-    /// Name.
     pub name: String,
-    /// Name of its type.
     pub type_name: String,
-    /// Messages in the file.
     pub messages: u64,
 }
 
@@ -119,12 +115,10 @@ impl Recording {
         Ok(recording)
     }
 
-    /// The file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Its size, bytes.
     pub fn file_bytes(&self) -> u64 {
         self.source.length()
     }
@@ -155,7 +149,6 @@ impl Recording {
         Records::new(&self.source, self.metadata.epoch_ns, &self.definitions, data, topics)
     }
 
-    /// All messages of `T`'s topic.
     pub fn messages<T: Message>(&self) -> impl Iterator<Item = Timed<T>> + use<T> {
         self.records_of(&[T::TOPIC]).filter_map(|record| {
             let message = record.message()?;

@@ -7,7 +7,6 @@ use std::sync::Arc;
 /// One recorded message. It keeps its chunk of the file in memory: copy what must live long.
 #[derive(Clone, Debug)]
 pub struct Record {
-    /// The topic.
     pub topic: Topic,
     /// Time of its publication by its sender's clock, ns of run time. The file is in this order.
     pub log_time_ns: i64,
@@ -44,8 +43,6 @@ impl PartialEq for Record {
 /// A message with the time under which it was recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timed<T> {
-    /// As of [`Record::log_time_ns`].
     pub log_time_ns: i64,
-    /// The message.
     pub message: T,
 }

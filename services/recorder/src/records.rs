@@ -189,7 +189,6 @@ fn is_ours(topic: Topic, payload: &[u8]) -> bool {
     body.is_some_and(|body| body.len() == topic.message_bytes())
 }
 
-/// A file's time as run time, ns.
 fn run_time(ns: u64, epoch_ns: i64) -> i64 {
     i64::try_from(i128::from(ns) - i128::from(epoch_ns)).unwrap_or(i64::MAX)
 }

@@ -5,7 +5,6 @@ use crate::{Damage, Metadata, Recording, Tally, Writer};
 use mcap::McapError;
 use std::io::{self, Seek, Write};
 
-/// Result of a recovery.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recovered {
     /// Content of the new file, and the gaps between its first and last messages.

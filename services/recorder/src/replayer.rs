@@ -25,7 +25,6 @@ const POLL: Duration = Duration::from_micros(50);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ToReplayer {
-    /// Begin.
     Start,
 }
 

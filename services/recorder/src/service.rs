@@ -158,7 +158,6 @@ fn kept(path: &Path, sent: &Tally) -> Tally {
     Tally { topics: topics.collect(), incarnations: sent.incarnations.clone() }
 }
 
-/// Work for the writer.
 enum Work {
     Messages(Vec<Placed>),
     End(Tally),

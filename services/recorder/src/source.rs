@@ -10,7 +10,6 @@ use std::sync::Arc;
 const AHEAD: usize = 64 * 1024;
 const AHEAD_OF_HEADS: usize = 4 * 1024;
 
-/// Place of the bytes.
 #[derive(Clone, Debug)]
 enum Place {
     File(Arc<File>),
@@ -58,12 +57,10 @@ pub(crate) struct Spot {
     pub(crate) opcode: u8,
     /// Start of its head.
     pub(crate) at: u64,
-    /// Length of its body.
     pub(crate) length: u64,
 }
 
 impl Spot {
-    /// Start of its body.
     pub(crate) fn body(&self) -> u64 {
         self.at + HEAD as u64
     }

@@ -16,9 +16,7 @@ const MOST_WAITING: usize = 1024;
 /// Work of one process of the controller, as far as it can be replayed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Take {
-    /// Incarnation of the controller.
     pub incarnation: u32,
-    /// Its cycles.
     pub cycles: u64,
     /// Commands among them: none in a cycle in which the controller kept silent.
     pub commands: u64,
@@ -26,12 +24,10 @@ pub struct Take {
     pub cut_short: Option<String>,
 }
 
-/// One cycle of the controller.
 #[derive(Clone, Debug)]
 pub struct Cycle {
     /// Its own description.
     pub diagnostics: Diagnostics,
-    /// Its command.
     pub command: Option<Command>,
     /// The samples that it used, by the topics of [`INPUTS`]. `None` where it used none, or where it was not recorded.
     pub samples: [Option<Arc<[u8]>>; INPUTS.len()],
@@ -69,7 +65,6 @@ fn is_missing(index: usize, origin: Origin, samples: &[Option<Arc<[u8]>>; INPUTS
 }
 
 impl Cycle {
-    /// The release, to be scheduled again.
     pub fn release(&self) -> ScheduledRelease {
         let start_ns = self.diagnostics.start_ns;
         ScheduledRelease {

@@ -30,7 +30,6 @@ const HISTORY: usize = 4096;
 /// Stream of the air's random numbers.
 const STREAM: u64 = 0x5a17_c0de_0a1b_0002;
 
-/// The air.
 #[derive(Clone, Debug)]
 pub struct Air {
     keys: Keys,
@@ -41,14 +40,12 @@ pub struct Air {
     history: VecDeque<(u64, Vec<u8>)>,
 }
 
-/// A frame that arrives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Arrival {
     /// Instant of sending, ns of run time; of the replay, if it is one.
     pub sent_ns: u64,
     /// Instant of arrival, ns of run time.
     pub received_ns: u64,
-    /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
@@ -84,7 +81,6 @@ impl Air {
         }
     }
 
-    /// Sends a frame.
     pub fn send(&mut self, now_ns: u64, bytes: Vec<u8>) {
         let draws = self.draw();
         if !self.is_imperfect(now_ns) {

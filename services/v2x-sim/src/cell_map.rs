@@ -14,7 +14,6 @@ use crate::numbers::NUMBERS;
 /// The known part of the road ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ahead {
-    /// Start of the first cell, m.
     pub first_cell_m: f64,
     /// Number of known cells.
     pub count: usize,
@@ -25,10 +24,8 @@ pub trait Mapped {
     /// Sets the errors of this quantity apart from those of others.
     const STREAM: u64;
 
-    /// Mean over `length_m` from `from_m` on.
     fn mean(&self, from_m: f64, length_m: f64) -> f64;
 
-    /// A mean with an error.
     fn falsified(exact: f64, error: f64) -> f64;
 }
 
@@ -61,7 +58,6 @@ impl Mapped for Axis {
     }
 }
 
-/// The map of one quantity.
 #[derive(Clone, Debug)]
 pub struct CellMap<R> {
     road: R,
@@ -72,9 +68,7 @@ pub struct CellMap<R> {
     seed: u64,
 }
 
-/// The map of the road's grades.
 pub type GradeMap = CellMap<GradeProfile>;
-/// The map of the road's curves.
 pub type CurveMap = CellMap<Axis>;
 
 impl GradeMap {
@@ -108,7 +102,6 @@ impl<R: Mapped> CellMap<R> {
         }
     }
 
-    /// Length of a cell, m.
     pub fn cell_m(&self) -> f64 {
         self.cell_m
     }

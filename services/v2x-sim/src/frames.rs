@@ -60,9 +60,7 @@ pub struct Frames {
 /// A frame as its unit sends it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SentFrame {
-    /// Station id.
     pub station: u32,
-    /// Kind of the message.
     pub kind: MessageKind,
     /// Bytes from the GeoNetworking header on.
     pub bytes: Vec<u8>,
@@ -78,7 +76,6 @@ struct Site {
 }
 
 impl Frames {
-    /// The units of a scenario.
     pub fn new(scenario: &Scenario) -> Self {
         let v2x = &scenario.v2x;
         let mut sites: Vec<Site> = Vec::new();
@@ -330,7 +327,6 @@ struct Now {
     utc_ms: i64,
     /// UTC of run time 0 by these clocks at present, ns.
     start_ns: i64,
-    /// Revision of the maps.
     revision: u8,
 }
 
@@ -352,7 +348,6 @@ impl Now {
         }
     }
 
-    /// UTC of a time of the run, ms.
     fn of_run(&self, time_ns: u64) -> i64 {
         self.start_ns.saturating_add_unsigned(time_ns).div_euclid(1_000_000)
     }

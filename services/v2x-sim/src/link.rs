@@ -34,7 +34,6 @@ struct Batch {
 }
 
 impl Link {
-    /// Opens the carrier.
     pub(crate) fn open(
         runtime: &mut Runtime,
         address: &CarrierAddress,
@@ -57,7 +56,6 @@ impl Link {
         })
     }
 
-    /// Begins the run.
     pub(crate) fn begin(&mut self, runtime: &Runtime) {
         self.utc_start_ns = match self.carrier.capture() {
             Some(capture) => capture.wall_clock_ns(0),

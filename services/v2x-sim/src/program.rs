@@ -28,7 +28,6 @@
 
 use scenario::v2x::{Phase, Signal};
 
-/// The program of one signal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
     /// Phases and their ends from the cycle's start, ns.
@@ -41,7 +40,6 @@ pub struct Program {
 /// Interval in which a signal shows one phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interval {
-    /// Phase.
     pub phase: Phase,
     /// End, ns since the start of the run; `None` for an interval without an end.
     pub end_ns: Option<u64>,
@@ -77,7 +75,6 @@ impl Program {
         self.phases[self.locate(time_ns).1].0
     }
 
-    /// The interval at a time, ns, and the intervals behind it.
     pub fn intervals(&self, time_ns: u64) -> impl Iterator<Item = Interval> + '_ {
         let (mut start_ns, mut index) = self.locate(time_ns);
         let mut over = false;

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 /// Frames between the vehicle and other hosts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LinkReport {
-    /// The carrier's address.
     pub carrier: String,
     /// The vehicle's frames that were handed to the network.
     pub sent: u64,
@@ -31,7 +30,6 @@ pub struct LinkReport {
 pub struct StationReport {
     /// Its number, in hexadecimal digits; drawn anew at each start.
     pub sender: String,
-    /// Frames received.
     pub received: u64,
     /// Frames between the first and the last received that never came.
     pub lost: u64,

@@ -78,7 +78,6 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
 
 /// The way of the signals to the vehicle.
 enum Voice {
-    /// Structs, to the controller.
     Structs {
         /// Signal phase and timing.
         spat: Publisher<Spat>,

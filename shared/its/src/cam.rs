@@ -5,13 +5,11 @@ use crate::geodesy::Position;
 /// A cooperative awareness message of a vehicle. Other fields of the standard are sent as unavailable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cam {
-    /// Station id of the sender.
     pub station_id: u32,
     /// `TimestampIts` modulo 65536 of the position, ms.
     pub generation_delta: u16,
     /// Type of the station, 0 to 255: 5 is a passenger car, 8 a heavy truck.
     pub station_type: u8,
-    /// Position of its front.
     pub position: Position,
     /// The fast part.
     pub motion: Motion,

@@ -25,19 +25,13 @@ pub enum DecodeError {
     Envelope(&'static str),
     /// Not a single-hop broadcast with BTP-B.
     #[error("header type {header_type:#04x} with next header {next_header}, expected 0x50 with 2")]
-    OtherHeader {
-        /// Header type and subtype.
-        header_type: u8,
-        /// Next header of the common header.
-        next_header: u8,
-    },
+    OtherHeader { header_type: u8, next_header: u8 },
     /// A port of another kind of message.
     #[error("BTP port {0}, expected 2001, 2003 or 2004")]
     Port(u16),
     /// A message id that does not belong to the port.
     #[error("message id {found} on BTP port {port}")]
     MessageId {
-        /// The port.
         port: u16,
         /// Id in the message.
         found: u8,
@@ -45,7 +39,6 @@ pub enum DecodeError {
     /// Another version of the message.
     #[error("protocol version {found} of message id {message_id}, expected 1 or 2")]
     ProtocolVersion {
-        /// The message's id.
         message_id: u8,
         /// Protocol version.
         found: u8,
@@ -61,9 +54,7 @@ pub enum PayloadError {
     /// A number is outside the standard's bounds.
     #[error("{what} {value}, expected {least} to {most}")]
     Range {
-        /// The field.
         what: &'static str,
-        /// Its value.
         value: i64,
         /// Its lowest value.
         least: i64,

@@ -11,9 +11,7 @@ pub const MAX_FRAME_BYTES: usize = 1500;
 /// A message with the sender's data of its headers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// Sender.
     pub source: Source,
-    /// Content.
     pub message: Message,
 }
 

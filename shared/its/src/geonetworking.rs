@@ -30,11 +30,8 @@ const LIFETIME: u8 = 1 << 2 | 1;
 /// Type of a station (EN 302 636-4-1, clause 6.3; numbers of ETSI TS 102 894-2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StationType {
-    /// A passenger car.
     PassengerCar,
-    /// A heavy truck.
     HeavyTruck,
-    /// A roadside unit.
     RoadsideUnit,
     /// Any other, 0 to 31.
     Other(u8),
@@ -67,13 +64,11 @@ impl StationType {
 /// Sender of a packet with position and time: the long position vector (9.5.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// Type of the station.
     pub station_type: StationType,
     /// The 48 bits of the address.
     pub address: u64,
     /// Time of the position, `TimestampIts` modulo 2^32, ms.
     pub timestamp: u32,
-    /// Position.
     pub position: Position,
     /// True if the position is as accurate as the standard's `itsGnPaiInterval` requires.
     pub accurate: bool,
@@ -83,10 +78,8 @@ pub struct Source {
     pub heading: u16,
 }
 
-/// The headers of a packet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Headers {
-    /// Sender.
     pub source: Source,
     /// Traffic class (9.7.5), 0 to 63: 0 is the most urgent.
     pub traffic_class: u8,

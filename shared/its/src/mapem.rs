@@ -5,7 +5,6 @@ use crate::geodesy::Position;
 /// The geometry of one or more intersections.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mapem {
-    /// Station id of the sender.
     pub station_id: u32,
     /// `msgIssueRevision`, 0 to 127.
     pub revision: u8,
@@ -18,13 +17,11 @@ pub struct Mapem {
 pub struct IntersectionGeometry {
     /// Road regulator, if the id is not unique without it.
     pub region: Option<u16>,
-    /// Id of the intersection.
     pub id: u16,
     /// Counts changes of the geometry, 0 to 127.
     pub revision: u8,
     /// The reference point of the lanes.
     pub reference: Position,
-    /// Width of a lane, cm.
     pub lane_width_cm: Option<u16>,
     /// The lanes, 1 to 255.
     pub lanes: Vec<Lane>,
@@ -38,7 +35,6 @@ pub struct IntersectionGeometry {
 pub struct Lane {
     /// Id of the lane in its intersection.
     pub id: u8,
-    /// Direction.
     pub approach: Approach,
     /// Allowed manoeuvres at its end: a set of [`STRAIGHT`], [`LEFT`], [`RIGHT`] and the standard's others.
     pub maneuvers: u16,
@@ -65,7 +61,6 @@ pub struct Connection {
     pub lane: u8,
     /// Manoeuvre, as in [`Lane::maneuvers`].
     pub maneuver: Option<u16>,
-    /// The signal group that governs it.
     pub signal_group: Option<u8>,
 }
 

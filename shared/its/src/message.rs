@@ -34,7 +34,6 @@ pub enum MessageKind {
 }
 
 impl MessageKind {
-    /// All kinds.
     pub const ALL: [Self; 3] = [Self::Spatem, Self::Mapem, Self::Cam];
 
     /// Port of BTP-B (ETSI TS 103 248).
@@ -67,7 +66,6 @@ impl MessageKind {
 }
 
 impl Message {
-    /// Kind.
     #[must_use]
     pub fn kind(&self) -> MessageKind {
         match self {
@@ -77,7 +75,6 @@ impl Message {
         }
     }
 
-    /// Station id of its sender.
     #[must_use]
     pub fn station_id(&self) -> u32 {
         match self {

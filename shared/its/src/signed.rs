@@ -44,10 +44,8 @@ impl std::fmt::Display for Signer {
     }
 }
 
-/// The envelope of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Envelope {
-    /// Named signer.
     pub signer: Signer,
     /// Time of the signature, ms since the Unix epoch, UTC; `None` if the envelope has none.
     pub generated_ms: Option<i64>,

@@ -5,7 +5,6 @@ use crate::time::{Stamp, TimeMark};
 /// Signal phase and timing of one or more intersections.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Spatem {
-    /// Station id of the sender.
     pub station_id: u32,
     /// The intersections, 1 to 32.
     pub intersections: Vec<IntersectionState>,
@@ -16,7 +15,6 @@ pub struct Spatem {
 pub struct IntersectionState {
     /// Road regulator, if the id is not unique without it.
     pub region: Option<u16>,
-    /// Id of the intersection.
     pub id: u16,
     /// Revision of the map, 0 to 127.
     pub revision: u8,
@@ -31,7 +29,6 @@ pub struct IntersectionState {
 /// `MovementState`: one signal group.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MovementState {
-    /// Id of the signal group.
     pub signal_group: u8,
     /// The present phase and the next ones, 1 to 16.
     pub events: Vec<MovementEvent>,
@@ -40,7 +37,6 @@ pub struct MovementState {
 /// `MovementEvent`: one phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MovementEvent {
-    /// Signal.
     pub state: MovementPhase,
     /// Time of its end.
     pub timing: Option<Timing>,
@@ -49,13 +45,9 @@ pub struct MovementEvent {
 /// `TimeChangeDetails`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
-    /// Start of the phase.
     pub start: Option<TimeMark>,
-    /// Earliest end.
     pub min_end: TimeMark,
-    /// Latest end.
     pub max_end: Option<TimeMark>,
-    /// Likely end.
     pub likely_end: Option<TimeMark>,
     /// Confidence in the likely end, 0 (21 %) to 15 (100 %).
     pub confidence: Option<u8>,
@@ -73,7 +65,6 @@ pub enum MovementPhase {
     Dark = 1,
     /// Flashing red: stop, then go.
     StopThenProceed = 2,
-    /// Red.
     StopAndRemain = 3,
     /// Red and yellow: not yet.
     PreMovement = 4,

@@ -84,7 +84,6 @@ pub struct TimeMark(u16);
 impl TimeMark {
     /// More than an hour ahead.
     pub const BEYOND: Self = Self(36_000);
-    /// Unknown.
     pub const UNKNOWN: Self = Self(36_001);
 
     /// The mark of a time, rounded to a tenth of a second, in a message sent at `now`.

@@ -38,9 +38,7 @@ const TOLERANCE_NS: i64 = 1_000_000;
 pub struct Motion {
     /// Distance travelled, m.
     pub position_m: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
-    /// Heading, degrees.
     pub heading_deg: f64,
 }
 
@@ -53,7 +51,6 @@ pub struct Triggers {
     low_frequency_ns: Option<i64>,
 }
 
-/// A message that is due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Due {
     /// True if it includes the slow part.

@@ -76,7 +76,6 @@ impl<W: Write> Writer<W> {
         })
     }
 
-    /// Sets the metadata of a key.
     pub fn metadata(&mut self, key: &str, value: &str) {
         self.metadata.retain(|(known, _)| known != key);
         self.metadata.push((key.to_owned(), value.to_owned()));
@@ -126,7 +125,6 @@ impl<W: Write> Writer<W> {
         Ok(self.to)
     }
 
-    /// `FileMetaData`.
     fn footer(&self) -> Vec<u8> {
         let mut root = Struct::default();
         root.text(4, "schema").i32(5, self.names.len() as i64);

@@ -10,7 +10,6 @@ const BYTE_ARRAY: i64 = 6;
 /// Converted types.
 const UTF8: i64 = 0;
 const UINT_64: i64 = 14;
-/// Encodings.
 pub(crate) const PLAIN: i64 = 0;
 pub(crate) const RLE: i64 = 3;
 /// The codec: LZ4's block format without a frame.
@@ -19,27 +18,21 @@ pub(crate) const LZ4_RAW: i64 = 7;
 /// Type of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Kind {
-    /// As stored.
     pub(crate) physical: i64,
-    /// As meant.
     pub(crate) converted: Option<i64>,
 }
 
 impl Kind {
-    /// Numbers.
     pub(crate) const NUMBER: Self = Self { physical: DOUBLE, converted: None };
 }
 
-/// Cells of one column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cells {
-    /// Numbers.
     Number(Vec<Option<f64>>),
     /// Whole numbers.
     Integer(Vec<Option<i64>>),
     /// Whole numbers without a sign.
     Unsigned(Vec<Option<u64>>),
-    /// Texts.
     Text(Vec<Option<String>>),
 }
 

@@ -115,7 +115,6 @@ impl Capture {
         Self::read(io::Read::take(file, MAX_BYTES))
     }
 
-    /// Reads a capture from its bytes.
     pub fn read(source: impl io::Read + Send) -> Result<Self, CaptureError> {
         let mut reader = create_reader(MAX_BLOCK, source).map_err(|_| CaptureError::NoCapture)?;
         let mut this = Self::default();

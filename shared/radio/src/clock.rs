@@ -82,7 +82,6 @@ impl Exchange {
         whole.saturating_sub(self.answered_ns.wrapping_sub(self.heard_ns))
     }
 
-    /// The difference at `now_ns` by the own clock.
     fn difference(&self, now_ns: i64, drift_ppm: u32) -> ClockDifference {
         let age_ns = now_ns.saturating_sub(self.returned_ns).max(0);
         let drift_ns = age_ns / 1_000_000 * i64::from(drift_ppm);

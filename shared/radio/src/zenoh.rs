@@ -86,7 +86,6 @@ pub(crate) fn open(
     Ok((endpoint, ZenohOutlet { queue, arrivals }))
 }
 
-/// Key of the answers to a station.
 fn answers_to(station: u64) -> String {
     format!("{ANSWERS}/{station:016x}")
 }

@@ -139,7 +139,6 @@ pub(super) fn markers(unix_ns: i64, markers: &[Marker]) -> Vec<u8> {
 /// Step between the points of an outline, m.
 const FINE_M: f64 = 0.5;
 
-/// Coloured points.
 #[derive(Debug, Default)]
 pub(super) struct Points(Vec<([f64; 2], Color)>);
 
@@ -154,7 +153,6 @@ impl Points {
         }
     }
 
-    /// Points as they are.
     pub(super) fn all(&mut self, points: Vec<[f64; 2]>, color: Color) {
         self.0.extend(points.into_iter().map(|point| (point, color)));
     }

@@ -15,7 +15,6 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The point ahead of here and to the left, m.
     pub(super) fn point(&self, ahead_m: f64, left_m: f64) -> [f64; 2] {
         let (sine, cosine) = libm::sincos(self.heading_rad);
         let [x, y] = self.at_m;
@@ -53,7 +52,6 @@ impl Ground {
         matches!(self, Self::Plan(_))
     }
 
-    /// Width of the ego's lane, m.
     pub(super) fn lane_width_m(&self) -> f64 {
         match self {
             Self::Straight => LANE_WIDTH_M,

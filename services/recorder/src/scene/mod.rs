@@ -39,7 +39,6 @@ const LIGHT_HEIGHT_M: f64 = 4.5;
 const BEHIND_M: f64 = 60.0;
 const AHEAD_M: f64 = 240.0;
 
-/// A topic for viewers.
 #[derive(Debug)]
 pub(crate) struct SceneTopic {
     pub(crate) name: &'static str,
@@ -47,7 +46,6 @@ pub(crate) struct SceneTopic {
     pub(crate) definition: &'static str,
 }
 
-/// The topics for viewers.
 pub(crate) const TOPICS: [SceneTopic; 4] = [
     SceneTopic {
         name: "/tf",
@@ -316,7 +314,6 @@ impl Scene {
         vec![Marker::lines("lane", 0.12, ends, Color::GREY)]
     }
 
-    /// Place of the target.
     fn target(&self, front: &Place) -> Option<[f64; 2]> {
         let tracks = self.tracks.as_ref().filter(|tracks| tracks.target.valid == 1)?;
         if !self.ground.has_plan() {

@@ -24,7 +24,6 @@ pub fn module() -> String {
     text
 }
 
-/// The class of one struct.
 pub(super) fn class(layout: &Layout) -> String {
     let fields: String = layout
         .fields
