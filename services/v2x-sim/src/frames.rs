@@ -115,24 +115,14 @@ impl Frames {
         utc_start_ns: i64,
         ego_m: Option<f64>,
     ) -> Result<Vec<SentFrame>, EncodeError> {
-        self.sent(time_ns, utc_start_ns, ego_m, None)
+        self.with_lights(time_ns, utc_start_ns, ego_m, None)
     }
 
-    /// The same with the lights of another simulator in the place of programs.
+    /// The same with the lights of another simulator, if there are any, in the place of programs.
     ///
     /// # Errors
     /// As [`Self::at`].
-    pub fn at_lights(
-        &self,
-        time_ns: u64,
-        utc_start_ns: i64,
-        ego_m: f64,
-        lights: &Lights,
-    ) -> Result<Vec<SentFrame>, EncodeError> {
-        self.sent(time_ns, utc_start_ns, Some(ego_m), Some(lights))
-    }
-
-    fn sent(
+    pub fn with_lights(
         &self,
         time_ns: u64,
         utc_start_ns: i64,
@@ -279,39 +269,41 @@ impl Site {
             let to_line_cm = (to_line_m * 100.0).round() as i16;
             let node = |along_cm: i16, left_cm: i16| earth_node(plane, along_cm, left_cm);
             let mut ingress = |id: u8, to_left_cm: i16, maneuver: u16, group: u8| {
-                lanes.push(Lane {
-                    id,
-                    approach: Approach::Ingress(1),
-                    maneuvers: maneuver,
-                    nodes: vec![node(to_line_cm, to_left_cm), node(-lane_cm, 0)],
-                    connections: vec![Connection {
-                        lane: EXITS,
-                        maneuver: Some(maneuver),
-                        signal_group: Some(group),
-                    }],
-                });
+                let nodes = vec![node(to_line_cm, to_left_cm), node(-lane_cm, 0)];
+                lanes.push(ingress_lane(id, nodes, (EXITS, maneuver), group));
             };
             ingress(1 + n, 0, STRAIGHT, *signal_group);
             ingress(TURNING + n, width_cm, LEFT, self.turning_group);
         }
-        lanes.push(Lane {
-            id: EXITS,
-            approach: Approach::Egress(2),
-            maneuvers: 0,
-            nodes: vec![earth_node(plane, 1000, 0), earth_node(plane, lane_cm, 0)],
-            connections: Vec::new(),
-        });
+        let exit = vec![earth_node(plane, 1000, 0), earth_node(plane, lane_cm, 0)];
+        lanes.push(egress_lane(EXITS, exit));
+        let reference = plane.position(self.middle_m() + shift_m, 0.0);
+        Ok(self.map(station_id, now, reference, lanes))
+    }
+
+    fn map(&self, station_id: u32, now: &Now, reference: Position, lanes: Vec<Lane>) -> Mapem {
         let geometry = IntersectionGeometry {
             region: None,
             id: self.intersection,
             revision: now.revision,
-            reference: plane.position(self.middle_m() + shift_m, 0.0),
-            lane_width_cm: Some(width_cm.unsigned_abs()),
+            reference,
+            lane_width_cm: Some((100.0 * NUMBERS.lane_width_m) as u16),
             lanes,
             unread_lanes: 0,
         };
-        Ok(Mapem { station_id, revision: now.revision, intersections: vec![geometry] })
+        Mapem { station_id, revision: now.revision, intersections: vec![geometry] }
     }
+}
+
+/// A lane to an intersection, with the exit that it leads to and the way there.
+fn ingress_lane(id: u8, nodes: Vec<(i16, i16)>, (exit, way): (u8, u16), group: u8) -> Lane {
+    let connection = Connection { lane: exit, maneuver: Some(way), signal_group: Some(group) };
+    let approach = Approach::Ingress(1);
+    Lane { id, approach, maneuvers: way, nodes, connections: vec![connection] }
+}
+
+fn egress_lane(id: u8, nodes: Vec<(i16, i16)>) -> Lane {
+    Lane { id, approach: Approach::Egress(2), maneuvers: 0, nodes, connections: Vec::new() }
 }
 
 /// A node of a lane, east and north of the node before, cm.

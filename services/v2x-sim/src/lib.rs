@@ -18,9 +18,8 @@
 //! let corridor = Scenario::parse("corridor", builtin::find("corridor").expect("built in").text)?;
 //! let unit = RoadsideUnit::new(&corridor.v2x);
 //! let received = unit.received(0, 0.0);
-//! let (lane, signal) = received.iter().next().expect("a signal in range");
-//! assert_eq!(lane.stop_line_m, 300.0);
-//! assert_eq!(signal.intervals[0].likely_end_s, 27.0);
+//! assert_eq!((received.count, received.lanes[0].stop_line_m), (1, 300.0));
+//! assert_eq!(received.signals[0].intervals[0].likely_end_s, 27.0);
 //! # Ok::<(), scenario::ScenarioError>(())
 //! ```
 

@@ -3,7 +3,8 @@
 //! The programs are fixed: earliest, likely and latest end are equal and certain. An end is infinite for a phase that
 //! lasts for ever.
 
-use messages::{Interval, Lane, Lights, MAX_INTERVALS, MAX_SIGNALS, PhaseState, Signal};
+use bytemuck::Zeroable;
+use messages::{Interval, Lane, Lights, MAX_SIGNALS, PhaseState, Signal, SignalTruth};
 use scenario::v2x::{Phase, V2x};
 
 use crate::numbers::NUMBERS;
@@ -13,21 +14,10 @@ use crate::unit_clock::UnitClock;
 /// Highest confidence of a predicted time: 0 to 15 of the standard mean 21 % to 100 %.
 pub const CERTAIN: u8 = 15;
 
-/// Signals for the ego, in the order of their stop lines.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Signals {
-    /// Stop lines; `count` are valid.
-    pub lanes: [Lane; MAX_SIGNALS],
-    /// Their timing, in the same order.
-    pub signals: [Signal; MAX_SIGNALS],
-    /// Valid entries of both.
-    pub count: u64,
-}
-
 /// All signals along the road.
 #[derive(Clone, Debug)]
 pub struct RoadsideUnit {
-    range_m: f64,
+    pub(crate) range_m: f64,
     signals: Vec<(Lane, Program)>,
 }
 
@@ -49,20 +39,15 @@ impl RoadsideUnit {
         Self { range_m: v2x.range_m.value(), signals }
     }
 
-    /// Signals received at a place and time: those within radio range ahead, and those just passed.
-    pub fn received(&self, time_ns: u64, ego_position_m: f64) -> Signals {
+    /// Signals received at a place and time, without a header: those within radio range ahead, and those just passed.
+    pub fn received(&self, time_ns: u64, ego_position_m: f64) -> SignalTruth {
         self.signals_within(self.range_m, &UnitClock::OWN, time_ns, ego_position_m)
     }
 
     /// Signals without regard to the radio's range: the next ones ahead and those just passed, up to a message's room.
     /// The programs run by `clock`.
-    pub fn truth(&self, clock: &UnitClock, time_ns: u64, ego_position_m: f64) -> Signals {
+    pub fn truth(&self, clock: &UnitClock, time_ns: u64, ego_position_m: f64) -> SignalTruth {
         self.signals_within(f64::INFINITY, clock, time_ns, ego_position_m)
-    }
-
-    /// The same signals as another simulator shows them, those within the radio's range.
-    pub fn received_of(&self, lights: &Lights, ego_position_m: f64) -> Signals {
-        Signals::of(lights, ego_position_m, self.range_m)
     }
 
     fn signals_within(
@@ -71,8 +56,8 @@ impl RoadsideUnit {
         clock: &UnitClock,
         time_ns: u64,
         ego_position_m: f64,
-    ) -> Signals {
-        let mut told = Signals::NONE;
+    ) -> SignalTruth {
+        let mut told = SignalTruth::zeroed();
         let near = self.signals.iter().filter(|(lane, _)| {
             (-NUMBERS.passed_m..=range_m).contains(&(lane.stop_line_m - ego_position_m))
         });
@@ -85,45 +70,18 @@ impl RoadsideUnit {
     }
 }
 
-const NO_SIGNAL: Signal = Signal {
-    intersection_id: 0,
-    signal_group: 0,
-    count: 0,
-    intervals: [Interval {
-        state: 0,
-        confidence: 0,
-        min_end_s: 0.0,
-        likely_end_s: 0.0,
-        max_end_s: 0.0,
-    }; MAX_INTERVALS],
-};
-
-impl Signals {
-    /// No signal in reach.
-    pub const NONE: Self = Self {
-        lanes: [Lane { intersection_id: 0, signal_group: 0, stop_line_m: 0.0 }; MAX_SIGNALS],
-        signals: [NO_SIGNAL; MAX_SIGNALS],
-        count: 0,
-    };
-
-    /// Those of another simulator that are up to `range_m` ahead of the ego, and those just passed.
-    pub fn of(lights: &Lights, ego_position_m: f64, range_m: f64) -> Self {
-        let mut near = Self::NONE;
-        let count = usize::try_from(lights.count).map_or(0, |count| count.min(MAX_SIGNALS));
-        for (lane, signal) in lights.lanes.iter().zip(&lights.signals).take(count) {
-            if (-NUMBERS.passed_m..=range_m).contains(&(lane.stop_line_m - ego_position_m)) {
-                let slot = near.count as usize;
-                (near.lanes[slot], near.signals[slot]) = (*lane, *signal);
-                near.count += 1;
-            }
+/// Signals of another simulator that are up to `range_m` ahead of the ego, and those just passed.
+pub fn near(lights: &Lights, ego_position_m: f64, range_m: f64) -> SignalTruth {
+    let mut near = SignalTruth::zeroed();
+    let count = usize::try_from(lights.count).map_or(0, |count| count.min(MAX_SIGNALS));
+    for (lane, signal) in lights.lanes.iter().zip(&lights.signals).take(count) {
+        if (-NUMBERS.passed_m..=range_m).contains(&(lane.stop_line_m - ego_position_m)) {
+            let slot = near.count as usize;
+            (near.lanes[slot], near.signals[slot]) = (*lane, *signal);
+            near.count += 1;
         }
-        near
     }
-
-    /// The valid signals with their stop lines.
-    pub fn iter(&self) -> impl Iterator<Item = (&Lane, &Signal)> {
-        self.lanes.iter().zip(&self.signals).take(self.count as usize)
-    }
+    near
 }
 
 /// Writes a program's present phase and those behind it.
@@ -154,6 +112,7 @@ mod tests {
     use scenario::{Scenario, builtin};
 
     use super::*;
+    use messages::MAX_INTERVALS;
 
     const SECOND: u64 = 1_000_000_000;
 
@@ -162,24 +121,28 @@ mod tests {
         RoadsideUnit::new(&Scenario::parse(name, builtin.text).expect("it is right").v2x)
     }
 
-    fn ids(signals: &Signals) -> Vec<u32> {
-        signals.iter().map(|(lane, _)| lane.intersection_id).collect()
+    fn pairs(signals: &SignalTruth) -> impl Iterator<Item = (&Lane, &Signal)> {
+        signals.lanes.iter().zip(&signals.signals).take(signals.count as usize)
+    }
+
+    fn ids(signals: &SignalTruth) -> Vec<u32> {
+        pairs(signals).map(|(lane, _)| lane.intersection_id).collect()
     }
 
     #[test]
     fn signals_come_into_range_and_fall_behind_in_order() {
         let unit = unit("corridor");
-        assert_eq!(unit.received(0, -1.0), Signals::NONE);
+        assert_eq!(unit.received(0, -1.0), SignalTruth::zeroed());
         assert_eq!(ids(&unit.received(0, 0.0)), [1]);
         assert_eq!(ids(&unit.received(0, 350.0)), [1, 2]);
         assert_eq!(ids(&unit.received(0, 351.0)), [2]);
-        assert_eq!(unit.received(0, 1051.0), Signals::NONE);
+        assert_eq!(unit.received(0, 1051.0), SignalTruth::zeroed());
         assert_eq!(ids(&unit.truth(&UnitClock::OWN, 0, 0.0)), [1, 2, 3]);
     }
 
     #[test]
     fn lanes_and_movements_belong_together() {
-        for (lane, movement) in unit("corridor").truth(&UnitClock::OWN, 0, 0.0).iter() {
+        for (lane, movement) in pairs(&unit("corridor").truth(&UnitClock::OWN, 0, 0.0)) {
             assert_eq!(lane.intersection_id, movement.intersection_id);
             assert_eq!(lane.signal_group, movement.signal_group);
             assert_eq!(movement.count, MAX_INTERVALS as u64);
@@ -189,7 +152,7 @@ mod tests {
     #[test]
     fn the_paper_sees_one_switch_at_five_seconds() {
         let signals = unit("cacc-a").received(1_300_000_000, 20.0);
-        let (lane, movement) = signals.iter().next().expect("it is in range");
+        let (lane, movement) = pairs(&signals).next().expect("it is in range");
         assert_eq!(lane.stop_line_m, 80.0);
         assert_eq!(movement.count, 2);
         let [green, red] = [movement.intervals[0], movement.intervals[1]];
@@ -205,7 +168,7 @@ mod tests {
         let unit = unit("corridor");
         for k in 0..5000u64 {
             let now_ns = k * 100_000_000;
-            for (_, movement) in unit.truth(&UnitClock::OWN, now_ns, 0.0).iter() {
+            for (_, movement) in pairs(&unit.truth(&UnitClock::OWN, now_ns, 0.0)) {
                 let mut from_s = now_ns as f64 / 1e9;
                 for interval in &movement.intervals[..movement.count as usize] {
                     let end_s = interval.likely_end_s;
@@ -224,7 +187,7 @@ mod tests {
         let unit = unit("corridor");
         let end = |time_ns| {
             let signals = unit.truth(&UnitClock::OWN, time_ns, 0.0);
-            let (_, movement) = signals.iter().next().expect("there are three");
+            let (_, movement) = pairs(&signals).next().expect("there are three");
             movement.intervals[0].likely_end_s
         };
         for k in 0..270 {

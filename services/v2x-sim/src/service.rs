@@ -5,8 +5,9 @@ use crate::cell_map::{Ahead, CurveMap, GradeMap};
 use crate::frames::Frames;
 use crate::link::Link;
 use crate::report::LinkReport;
-use crate::roadside_unit::{RoadsideUnit, Signals};
+use crate::roadside_unit::{RoadsideUnit, near};
 use crate::unit_clock::UnitClock;
+use bytemuck::Zeroable;
 use its::EncodeError;
 use messages::{
     Curves, EgoTruth, Header, Lights, MAX_CURVE_CELLS, Map, Origins, Preview, RadioFrames,
@@ -52,13 +53,11 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
 
         // The referee's copy goes first: the plant may wait for it.
         let shown = match newest {
-            Some(lights) => Signals::of(lights, ego_m, f64::INFINITY),
+            Some(lights) => near(lights, ego_m, f64::INFINITY),
             None => voice.truth(&unit, time_ns, ego_m),
         };
         truth.send_with(|message| {
-            message.header = header;
-            (message.lanes, message.signals, message.count) =
-                (shown.lanes, shown.signals, shown.count);
+            *message = SignalTruth { header, ..shown };
         })?;
         voice.send(runtime, header, (&unit, newest), ego_m)?;
         if let Some(preview) = &mut preview {
@@ -116,11 +115,12 @@ impl Voice {
 
     /// The signals as they are. Another host's units run the scenario's programs by their own clock. Signals are
     /// missing until that clock is known, and for units of other makers.
-    fn truth(&self, unit: &RoadsideUnit, time_ns: u64, ego_m: f64) -> Signals {
+    fn truth(&self, unit: &RoadsideUnit, time_ns: u64, ego_m: f64) -> SignalTruth {
         match self {
             Self::Structs { .. } | Self::Frames(_) => unit.truth(&UnitClock::OWN, time_ns, ego_m),
             Self::Link(link) => {
-                link.unit().map_or(Signals::NONE, |clock| unit.truth(clock, time_ns, ego_m))
+                let shown = link.unit().map(|clock| unit.truth(clock, time_ns, ego_m));
+                shown.unwrap_or_else(SignalTruth::zeroed)
             }
         }
     }
@@ -136,7 +136,7 @@ impl Voice {
         match self {
             Self::Structs { spat, map } => {
                 let received = match lights {
-                    Some(lights) => unit.received_of(lights, ego_m),
+                    Some(lights) => near(lights, ego_m, unit.range_m),
                     None => unit.received(time_ns, ego_m),
                 };
                 map.send_with(|message| {
@@ -187,10 +187,7 @@ impl Radio {
         ego_m: f64,
         lights: Option<&Lights>,
     ) -> Result<(), RuntimeError> {
-        let sent = match lights {
-            Some(lights) => self.units.at_lights(time_ns, self.utc_start_ns, ego_m, lights),
-            None => self.units.at(time_ns, self.utc_start_ns, Some(ego_m)),
-        };
+        let sent = self.units.with_lights(time_ns, self.utc_start_ns, Some(ego_m), lights);
         let refused = |error: EncodeError| {
             let expected = "what SPATEM and MAPEM have room for";
             RuntimeError::from(Problem::new("v2x.signals", error.to_string(), expected))

@@ -63,11 +63,6 @@ impl Frame {
         if message_id != kind.message_id() {
             return Err(DecodeError::MessageId { port, found: message_id });
         }
-        let message = match kind {
-            MessageKind::Spatem => Message::Spatem(codec::spatem::decode(payload)?),
-            MessageKind::Mapem => Message::Mapem(codec::mapem::decode(payload)?),
-            MessageKind::Cam => Message::Cam(codec::cam::decode(payload)?),
-        };
-        Ok(Self { source: headers.source, message })
+        Ok(Self { source: headers.source, message: codec::decode(kind, payload)? })
     }
 }

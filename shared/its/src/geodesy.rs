@@ -43,13 +43,11 @@ pub struct Plane {
 
 impl Plane {
     /// The plane around `origin` with the axes east and north.
-    #[must_use]
     pub fn at(origin: Position) -> Self {
         Self::along(origin, 90.0)
     }
 
     /// The plane around `origin` with an axis of this heading, degrees clockwise from north.
-    #[must_use]
     pub fn along(origin: Position, heading_deg: f64) -> Self {
         let heading = heading_deg * (core::f64::consts::PI / 180.0);
         let latitude = f64::from(origin.latitude) * STEP_DEG * (core::f64::consts::PI / 180.0);
@@ -68,7 +66,6 @@ impl Plane {
     }
 
     /// The position nearest to a point of the plane, m.
-    #[must_use]
     pub fn position(&self, along_m: f64, left_m: f64) -> Position {
         let (east_m, north_m) = self.to_earth((along_m, left_m));
         let steps = |m: f64, m_per_step: f64| (m / m_per_step).round() as i64;
@@ -82,7 +79,6 @@ impl Plane {
     }
 
     /// Distance of a position along the axis and to its left, m.
-    #[must_use]
     pub fn point(&self, position: Position) -> (f64, f64) {
         let east = i64::from(position.longitude) - i64::from(self.origin.longitude);
         let north = f64::from(position.latitude) - f64::from(self.origin.latitude);
@@ -93,14 +89,12 @@ impl Plane {
     }
 
     /// East and north components of a difference along the axis and to its left.
-    #[must_use]
     pub fn to_earth(&self, (along, left): (f64, f64)) -> (f64, f64) {
         let (east, north) = self.axis;
         (along * east - left * north, along * north + left * east)
     }
 
     /// The reverse of [`Self::to_earth`].
-    #[must_use]
     pub fn from_earth(&self, (to_east, to_north): (f64, f64)) -> (f64, f64) {
         let (east, north) = self.axis;
         (to_east * east + to_north * north, to_north * east - to_east * north)

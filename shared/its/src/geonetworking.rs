@@ -39,7 +39,6 @@ pub enum StationType {
 
 impl StationType {
     /// Number of the type.
-    #[must_use]
     pub fn value(self) -> u8 {
         match self {
             Self::PassengerCar => 5,
@@ -50,7 +49,6 @@ impl StationType {
     }
 
     /// The type with this number.
-    #[must_use]
     pub fn of(value: u8) -> Self {
         match value & 31 {
             5 => Self::PassengerCar,

@@ -37,7 +37,6 @@ impl MessageKind {
     pub const ALL: [Self; 3] = [Self::Spatem, Self::Mapem, Self::Cam];
 
     /// Port of BTP-B (ETSI TS 103 248).
-    #[must_use]
     pub const fn port(self) -> u16 {
         match self {
             Self::Cam => 2001,
@@ -47,7 +46,6 @@ impl MessageKind {
     }
 
     /// Message id (ETSI TS 102 894-2).
-    #[must_use]
     pub const fn message_id(self) -> u8 {
         match self {
             Self::Cam => 2,
@@ -66,7 +64,6 @@ impl MessageKind {
 }
 
 impl Message {
-    #[must_use]
     pub fn kind(&self) -> MessageKind {
         match self {
             Self::Spatem(_) => MessageKind::Spatem,
@@ -75,7 +72,6 @@ impl Message {
         }
     }
 
-    #[must_use]
     pub fn station_id(&self) -> u32 {
         match self {
             Self::Spatem(message) => message.station_id,

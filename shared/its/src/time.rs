@@ -19,13 +19,11 @@ const ITS_EPOCH_MS: i64 = 1_072_915_200_000;
 const LEAP_MS: i64 = 5_000;
 
 /// Milliseconds since the epoch of ITS, 2004-01-01, by atomic time.
-#[must_use]
 pub fn its_timestamp(utc: UnixMs) -> i64 {
     utc - ITS_EPOCH_MS + LEAP_MS
 }
 
 /// The UTC of a timestamp modulo `modulus` ms, nearest to `near`.
-#[must_use]
 pub fn from_its_timestamp(modulo: i64, modulus: i64, near: UnixMs) -> UnixMs {
     let near_its = its_timestamp(near);
     let half = modulus / 2;
@@ -44,7 +42,6 @@ pub struct Stamp {
 
 impl Stamp {
     /// The stamp of a time.
-    #[must_use]
     pub fn of(utc: UnixMs) -> Self {
         let into_year = utc - year_start(year_of(utc));
         let minute = into_year.div_euclid(MINUTE_MS);
@@ -53,7 +50,6 @@ impl Stamp {
     }
 
     /// Its UTC, in the year nearest to `near`.
-    #[must_use]
     pub fn utc(self, near: UnixMs) -> UnixMs {
         let into_year = i64::from(self.minute_of_year) * MINUTE_MS + i64::from(self.millisecond);
         let year = year_of(near);
@@ -87,7 +83,6 @@ impl TimeMark {
     pub const UNKNOWN: Self = Self(36_001);
 
     /// The mark of a time, rounded to a tenth of a second, in a message sent at `now`.
-    #[must_use]
     pub fn of(utc: UnixMs, now: UnixMs) -> Self {
         if utc - now >= HOUR_MS - PAST_MS {
             return Self::BEYOND;
@@ -96,20 +91,17 @@ impl TimeMark {
     }
 
     /// The mark with this number, 0 to 36001; `None` for others.
-    #[must_use]
     pub fn new(value: u16) -> Option<Self> {
         (value <= Self::UNKNOWN.0).then_some(Self(value))
     }
 
     /// Number in the message.
-    #[must_use]
     pub fn value(self) -> u16 {
         self.0
     }
 
     /// Its UTC for a reader at `now`: up to a minute ago, or within the next hour. `None` if it is later or
     /// unknown.
-    #[must_use]
     pub fn utc(self, now: UnixMs) -> Option<UnixMs> {
         if self.0 >= Self::BEYOND.0 {
             return None;

@@ -1,9 +1,9 @@
 //! Maps along the ego's way through a net, and the timing of another simulator's lights.
 
-use super::{EXITS, Now, Site, earth_node, timed};
+use super::{EXITS, Now, Site, earth_node, egress_lane, ingress_lane, timed};
 use crate::numbers::NUMBERS;
 use its::geodesy::Plane;
-use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, Lane, Mapem, RIGHT, STRAIGHT};
+use its::mapem::{LEFT, Mapem, RIGHT, STRAIGHT};
 use its::spatem::MovementEvent;
 use messages::{Lights, MAX_INTERVALS, PhaseState};
 use road::Axis;
@@ -13,6 +13,7 @@ use scenario::v2x::Phase;
 const NODE_M: f64 = 10.0;
 /// Turn from which a way through an intersection is a turn, rad.
 const TURN_RAD: f64 = 0.5;
+
 impl Site {
     /// The ego's lanes along its way through a net, with the nodes of their curves.
     pub(super) fn mapem_along(
@@ -49,35 +50,11 @@ impl Site {
                 right if right < -TURN_RAD => RIGHT,
                 _ => STRAIGHT,
             };
-            lanes.push(Lane {
-                id: 1 + n,
-                approach: Approach::Ingress(1),
-                maneuvers: maneuver,
-                nodes: nodes(*stop_line_m, -NODE_M),
-                connections: vec![Connection {
-                    lane: EXITS + n,
-                    maneuver: Some(maneuver),
-                    signal_group: Some(*signal_group),
-                }],
-            });
-            lanes.push(Lane {
-                id: EXITS + n,
-                approach: Approach::Egress(2),
-                maneuvers: 0,
-                nodes: nodes(exit_m, NODE_M),
-                connections: Vec::new(),
-            });
+            let entry = nodes(*stop_line_m, -NODE_M);
+            lanes.push(ingress_lane(1 + n, entry, (EXITS + n, maneuver), *signal_group));
+            lanes.push(egress_lane(EXITS + n, nodes(exit_m, NODE_M)));
         }
-        let geometry = IntersectionGeometry {
-            region: None,
-            id: self.intersection,
-            revision: now.revision,
-            reference: plane.position(reference.0, reference.1),
-            lane_width_cm: Some((100.0 * NUMBERS.lane_width_m) as u16),
-            lanes,
-            unread_lanes: 0,
-        };
-        Mapem { station_id, revision: now.revision, intersections: vec![geometry] }
+        self.map(station_id, now, plane.position(reference.0, reference.1), lanes)
     }
 }
 

@@ -4,7 +4,7 @@ use super::container::{
     ACCELERATION, ACCELERATION_CONFIDENCE, ACCELERATION_CONTROL, LANE_POSITION, OTHER_ACCELERATION,
     PATH_HISTORY, PERFORMANCE_CLASS, SPECIAL_VEHICLE, STEERING_WHEEL, TOLLING_ZONE,
 };
-use super::uper::{Number, Part, Reader, Skip, Source, Writer};
+use super::uper::{Number, Part, Reader, Source, Writer};
 use super::{LATITUDE, LONGITUDE, read_header, write_header};
 use crate::cam::{Cam, LowFrequency, Motion};
 use crate::geodesy::Position;
@@ -35,21 +35,10 @@ const PATH_POINTS: Number = Number::new("points of the path", 0, 40);
 /// Size of `ExteriorLights`.
 const LIGHT_BITS: u32 = 8;
 
-/// The standard's values for unknown figures.
-const NO_AXIS: u16 = 4095;
-const NO_ORIENTATION: u16 = 3601;
-const NO_ALTITUDE: i32 = 800_001;
-const NO_HEADING_CONFIDENCE: u8 = 127;
-const NO_SPEED_CONFIDENCE: u8 = 127;
-const NO_ACCELERATION_CONFIDENCE: u8 = 102;
-const NO_CURVATURE: i16 = 1023;
-const NO_ALTITUDE_CONFIDENCE: u8 = 15;
-const NO_TRAILER_KNOWN: u8 = 4;
-const NO_CURVATURE_CONFIDENCE: u8 = 7;
-const NO_CURVATURE_CALCULATION: u8 = 2;
-const NO_YAW_RATE_CONFIDENCE: u8 = 8;
 /// `DriveDirection`.
 const FORWARD: u8 = 0;
+/// Figures of the basic container that are not read, and sent as unknown.
+const NOT_READ: [Number; 5] = [AXIS, AXIS, ORIENTATION, ALTITUDE, ALTITUDE_CONFIDENCE];
 /// `HighFrequencyContainer`: a vehicle's.
 const VEHICLE: u8 = 0;
 
@@ -73,10 +62,6 @@ pub(crate) fn encode(message: &Cam) -> Result<Vec<u8>, EncodeError> {
     Ok(to.finish())
 }
 
-pub(crate) fn decode(payload: &[u8]) -> Result<Cam, PayloadError> {
-    read(&mut Reader::new(payload))
-}
-
 pub(super) fn read(from: &mut impl Source) -> Result<Cam, PayloadError> {
     let station_id = read_header(from)?;
     let generation_delta = from.number(GENERATION_TIME)?;
@@ -98,11 +83,7 @@ fn write_basic(to: &mut Writer, message: &Cam) -> Result<(), EncodeError> {
     to.number(STATION_TYPE, message.station_type)?;
     to.number(LATITUDE, latitude)?;
     to.number(LONGITUDE, longitude)?;
-    to.number(AXIS, NO_AXIS)?;
-    to.number(AXIS, NO_AXIS)?;
-    to.number(ORIENTATION, NO_ORIENTATION)?;
-    to.number(ALTITUDE, NO_ALTITUDE)?;
-    to.number(ALTITUDE_CONFIDENCE, NO_ALTITUDE_CONFIDENCE)
+    NOT_READ.into_iter().try_for_each(|number| to.unknown(number))
 }
 
 /// `BasicContainer`: type and position of the station.
@@ -110,9 +91,7 @@ fn read_basic(from: &mut impl Source) -> Result<(u8, Position), PayloadError> {
     from.extensible(|from, []| {
         let station_type = from.number(STATION_TYPE)?;
         let (latitude, longitude) = (from.number(LATITUDE)?, from.number(LONGITUDE)?);
-        for number in [AXIS, AXIS, ORIENTATION, ALTITUDE, ALTITUDE_CONFIDENCE] {
-            from.whole(number)?;
-        }
+        NOT_READ.into_iter().try_for_each(|number| from.whole(number).map(drop))?;
         Ok((station_type, Position { latitude, longitude }))
     })
 }
@@ -122,21 +101,21 @@ fn write_motion(to: &mut Writer, motion: &Motion) -> Result<(), EncodeError> {
     // performanceClass, cenDsrcTollingZone.
     to.present([false; 7]);
     to.number(HEADING, motion.heading)?;
-    to.number(HEADING_CONFIDENCE, NO_HEADING_CONFIDENCE)?;
+    to.unknown(HEADING_CONFIDENCE)?;
     to.number(SPEED, motion.speed)?;
-    to.number(SPEED_CONFIDENCE, NO_SPEED_CONFIDENCE)?;
+    to.unknown(SPEED_CONFIDENCE)?;
     to.number(DRIVE_DIRECTION, FORWARD)?;
     to.number(LENGTH, motion.length)?;
-    to.number(TRAILER, NO_TRAILER_KNOWN)?;
+    to.unknown(TRAILER)?;
     to.number(WIDTH, motion.width)?;
     to.number(ACCELERATION, motion.acceleration)?;
-    to.number(ACCELERATION_CONFIDENCE, NO_ACCELERATION_CONFIDENCE)?;
-    to.number(CURVATURE, NO_CURVATURE)?;
-    to.number(CURVATURE_CONFIDENCE, NO_CURVATURE_CONFIDENCE)?;
+    to.unknown(ACCELERATION_CONFIDENCE)?;
+    to.unknown(CURVATURE)?;
+    to.unknown(CURVATURE_CONFIDENCE)?;
     to.not_extended();
-    to.number(CURVATURE_CALCULATION, NO_CURVATURE_CALCULATION)?;
+    to.unknown(CURVATURE_CALCULATION)?;
     to.number(YAW_RATE, motion.yaw_rate)?;
-    to.number(YAW_RATE_CONFIDENCE, NO_YAW_RATE_CONFIDENCE)
+    to.unknown(YAW_RATE_CONFIDENCE)
 }
 
 fn read_motion(from: &mut impl Source) -> Result<Motion, PayloadError> {

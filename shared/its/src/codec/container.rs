@@ -1,7 +1,7 @@
 //! Parts of a CAM that are checked and skipped. Sources: module ITS-Container of ETSI TS 102 894-2 V1.3.1, and ETSI EN
 //! 302 637-2 V1.4.1.
 
-use super::uper::{Form, Number, Part, optional, required};
+use super::uper::{Form, Number, Part, enumeration, extensible, fixed, list, optional, required};
 use super::{LATITUDE, LONGITUDE};
 use Form::{Extensible, Fixed};
 
@@ -16,104 +16,78 @@ pub(super) const ACCELERATION_CONTROL: Part = Part::bits("acceleration control",
 pub(super) const LANE_POSITION: Part = Part::whole("position in the lane", -1, 14);
 
 /// `SteeringWheelAngle`.
-pub(super) const STEERING_WHEEL: Part = Part::Sequence(
-    Fixed,
-    &[
-        required(Part::whole("steering wheel's angle", -511, 512)),
-        required(Part::whole("steering wheel's confidence", 1, 127)),
-    ],
-);
+pub(super) const STEERING_WHEEL: Part = fixed(&[
+    required(Part::whole("steering wheel's angle", -511, 512)),
+    required(Part::whole("steering wheel's confidence", 1, 127)),
+]);
 
 /// `LateralAcceleration`, `VerticalAcceleration`.
-pub(super) const OTHER_ACCELERATION: Part = Part::Sequence(
-    Fixed,
-    &[required(Part::Whole(ACCELERATION)), required(Part::Whole(ACCELERATION_CONFIDENCE))],
-);
+pub(super) const OTHER_ACCELERATION: Part =
+    fixed(&[required(Part::Whole(ACCELERATION)), required(Part::Whole(ACCELERATION_CONFIDENCE))]);
 
 /// `PerformanceClass`.
 pub(super) const PERFORMANCE_CLASS: Part = Part::whole("performance class", 0, 7);
 
 /// `CenDsrcTollingZone`.
-pub(super) const TOLLING_ZONE: Part = Part::Sequence(
-    Extensible,
-    &[required(Part::Whole(LATITUDE)), required(Part::Whole(LONGITUDE)), optional(ZONE_ID)],
-);
+pub(super) const TOLLING_ZONE: Part = extensible(&[
+    required(Part::Whole(LATITUDE)),
+    required(Part::Whole(LONGITUDE)),
+    optional(ZONE_ID),
+]);
 
 /// `PathHistory`.
-pub(super) const PATH_HISTORY: Part = Part::List(
-    Number::new("points of the path", 0, 40),
-    &Part::Sequence(
-        Fixed,
-        &[
-            required(Part::whole("latitude of a path", -131_071, 131_072)),
-            required(Part::whole("longitude of a path", -131_071, 131_072)),
-            required(Part::whole("altitude of a path", -12_700, 12_800)),
-            optional(Part::ExtensibleNumber(Number::new("time of a path", 1, 65_535))),
-        ],
-    ),
+pub(super) const PATH_HISTORY: Part = list(
+    "points of the path",
+    0..=40,
+    &fixed(&[
+        required(Part::whole("latitude of a path", -131_071, 131_072)),
+        required(Part::whole("longitude of a path", -131_071, 131_072)),
+        required(Part::whole("altitude of a path", -12_700, 12_800)),
+        optional(Part::ExtensibleNumber(Number::new("time of a path", 1, 65_535))),
+    ]),
 );
 
 const LIGHT_BAR: Part = Part::bits("light bar and siren", 2);
 
-const CAUSE: Part = Part::Sequence(
-    Extensible,
-    &[required(Part::whole("cause", 0, 255)), required(Part::whole("detail of a cause", 0, 255))],
-);
+const CAUSE: Part = extensible(&[
+    required(Part::whole("cause", 0, 255)),
+    required(Part::whole("detail of a cause", 0, 255)),
+]);
 
 const HARD_SHOULDER: Part = Part::whole("hard shoulder", 0, 2);
 
-const CLOSED_LANES: Part = Part::Sequence(
-    Extensible,
-    &[
-        optional(HARD_SHOULDER),
-        optional(HARD_SHOULDER),
-        optional(Part::List(Number::new("driving lanes", 1, 13), &Part::whole("lane", 0, 1))),
-    ],
-);
+const CLOSED_LANES: Part = extensible(&[
+    optional(HARD_SHOULDER),
+    optional(HARD_SHOULDER),
+    optional(list("driving lanes", 1..=13, &Part::whole("lane", 0, 1))),
+]);
 
-const PUBLIC_TRANSPORT: Part = Part::Sequence(
-    Fixed,
-    &[
-        required(Part::whole("embarkation", 0, 1)),
-        optional(Part::Sequence(
-            Fixed,
-            &[
-                required(Part::whole("kind of activation", 0, 255)),
-                required(Part::List(
-                    Number::new("octets of an activation", 1, 20),
-                    &Part::whole("octet", 0, 255),
-                )),
-            ],
-        )),
-    ],
-);
+const PUBLIC_TRANSPORT: Part = fixed(&[
+    required(Part::whole("embarkation", 0, 1)),
+    optional(fixed(&[
+        required(Part::whole("kind of activation", 0, 255)),
+        required(list("octets of an activation", 1..=20, &Part::whole("octet", 0, 255))),
+    ])),
+]);
 
 const SPECIAL_TRANSPORT: Part =
-    Part::Sequence(Fixed, &[required(Part::bits("special transport", 4)), required(LIGHT_BAR)]);
+    fixed(&[required(Part::bits("special transport", 4)), required(LIGHT_BAR)]);
 
-const ROAD_WORKS: Part = Part::Sequence(
-    Fixed,
-    &[
-        optional(Part::whole("kind of road works", 0, 255)),
-        required(LIGHT_BAR),
-        optional(CLOSED_LANES),
-    ],
-);
+const ROAD_WORKS: Part = fixed(&[
+    optional(Part::whole("kind of road works", 0, 255)),
+    required(LIGHT_BAR),
+    optional(CLOSED_LANES),
+]);
 
-const EMERGENCY: Part = Part::Sequence(
-    Fixed,
-    &[required(LIGHT_BAR), optional(CAUSE), optional(Part::bits("emergency priority", 2))],
-);
+const EMERGENCY: Part =
+    fixed(&[required(LIGHT_BAR), optional(CAUSE), optional(Part::bits("emergency priority", 2))]);
 
-const SAFETY_CAR: Part = Part::Sequence(
-    Fixed,
-    &[
-        required(LIGHT_BAR),
-        optional(CAUSE),
-        optional(Part::ExtensibleEnumeration(Number::new("traffic rule", 0, 3))),
-        optional(Part::whole("speed limit", 1, 255)),
-    ],
-);
+const SAFETY_CAR: Part = fixed(&[
+    required(LIGHT_BAR),
+    optional(CAUSE),
+    optional(enumeration("traffic rule", 3)),
+    optional(Part::whole("speed limit", 1, 255)),
+]);
 
 /// `SpecialVehicleContainer`: public transport, special transport, dangerous goods, road works, rescue,
 /// emergency, safety car.

@@ -1,6 +1,6 @@
 //! Parts of SPATEM and MAPEM that are checked and skipped (module ETSI-ITS-DSRC of ETSI TS 103 301 V2.2.1).
 
-use super::uper::{Form, Number, Part, optional, required};
+use super::uper::{Form, Number, Part, enumeration, extensible, fixed, list, optional, required};
 use super::{LATITUDE, LONGITUDE};
 use Form::{Extensible, Fixed};
 
@@ -32,99 +32,78 @@ const ZONE_LENGTH: Part = Part::whole("zone's length", 0, 10_000);
 const CHARACTER: Part = Part::whole("character", 0, 127);
 
 /// `DescriptiveName`.
-pub(super) const NAME: Part = Part::List(Number::new("characters of a name", 1, 63), &CHARACTER);
+pub(super) const NAME: Part = list("characters of a name", 1..=63, &CHARACTER);
 
 /// `RegionalExtension`.
 pub(super) const REGIONAL: Part =
-    Part::Sequence(Fixed, &[required(Part::whole("region's id", 0, 255)), required(Part::Open)]);
+    fixed(&[required(Part::whole("region's id", 0, 255)), required(Part::Open)]);
 
 /// One to four regional extensions, as in most types.
-pub(super) const REGIONALS: Part = Part::List(Number::new("regional extensions", 1, 4), &REGIONAL);
+pub(super) const REGIONALS: Part = list("regional extensions", 1..=4, &REGIONAL);
 
 /// `EnabledLaneList`.
-pub(super) const ENABLED_LANES: Part =
-    Part::List(Number::new("enabled lanes", 1, 16), &Part::Whole(LANE_ID));
+pub(super) const ENABLED_LANES: Part = list("enabled lanes", 1..=16, &Part::Whole(LANE_ID));
 
 /// `ManeuverAssistList`.
-pub(super) const MANEUVER_ASSIST: Part = Part::List(
-    Number::new("manoeuvre assists", 1, 16),
-    &Part::Sequence(
-        Extensible,
-        &[
-            required(CONNECTION_ID),
-            optional(ZONE_LENGTH),
-            optional(ZONE_LENGTH),
-            optional(Part::whole("wait on stop", 0, 1)),
-            optional(Part::whole("pedestrian or bicycle", 0, 1)),
-            optional(REGIONALS),
-        ],
-    ),
+pub(super) const MANEUVER_ASSIST: Part = list(
+    "manoeuvre assists",
+    1..=16,
+    &extensible(&[
+        required(CONNECTION_ID),
+        optional(ZONE_LENGTH),
+        optional(ZONE_LENGTH),
+        optional(Part::whole("wait on stop", 0, 1)),
+        optional(Part::whole("pedestrian or bicycle", 0, 1)),
+        optional(REGIONALS),
+    ]),
 );
 
 /// `AdvisorySpeedList`.
-pub(super) const ADVISORY_SPEEDS: Part = Part::List(
-    Number::new("advisory speeds", 1, 16),
-    &Part::Sequence(
-        Extensible,
-        &[
-            required(Part::ExtensibleEnumeration(Number::new("kind of advisory speed", 0, 3))),
-            optional(Part::whole("advisory speed", 0, 500)),
-            optional(Part::whole("confidence in a speed", 0, 7)),
-            optional(ZONE_LENGTH),
-            optional(RESTRICTION_CLASS),
-            optional(REGIONALS),
-        ],
-    ),
+pub(super) const ADVISORY_SPEEDS: Part = list(
+    "advisory speeds",
+    1..=16,
+    &extensible(&[
+        required(enumeration("kind of advisory speed", 3)),
+        optional(Part::whole("advisory speed", 0, 500)),
+        optional(Part::whole("confidence in a speed", 0, 7)),
+        optional(ZONE_LENGTH),
+        optional(RESTRICTION_CLASS),
+        optional(REGIONALS),
+    ]),
 );
 
 /// Values of `LayerType`.
 pub(super) const LAYER_TYPES: i64 = 7;
 /// `LayerType`.
-pub(super) const LAYER_TYPE: Part =
-    Part::ExtensibleEnumeration(Number::new("layer type", 0, LAYER_TYPES));
+pub(super) const LAYER_TYPE: Part = enumeration("layer type", LAYER_TYPES);
 
 /// `LayerID`.
 pub(super) const LAYER_ID: Part = Part::whole("layer", 0, 100);
 
 /// `SpeedLimitList`.
-pub(super) const SPEED_LIMITS: Part = Part::List(
-    Number::new("speed limits", 1, 9),
-    &Part::Sequence(
-        Fixed,
-        &[
-            required(Part::ExtensibleEnumeration(Number::new("kind of speed limit", 0, 12))),
-            required(Part::whole("speed limit", 0, 8191)),
-        ],
-    ),
+pub(super) const SPEED_LIMITS: Part = list(
+    "speed limits",
+    1..=9,
+    &fixed(&[
+        required(enumeration("kind of speed limit", 12)),
+        required(Part::whole("speed limit", 0, 8191)),
+    ]),
 );
 
 /// `Elevation`.
 pub(super) const ELEVATION: Part = Part::whole("elevation", -4096, 61_439);
 
 /// `PreemptPriorityList`.
-pub(super) const PREEMPT_PRIORITY: Part = Part::List(
-    Number::new("zones of priority", 1, 32),
-    &Part::Sequence(Extensible, &[required(REGIONAL)]),
-);
+pub(super) const PREEMPT_PRIORITY: Part =
+    list("zones of priority", 1..=32, &extensible(&[required(REGIONAL)]));
 
-const fn lane_attributes() -> Part {
-    Part::bits("attributes of a lane", 16)
-}
-
-/// `LaneTypeAttributes`, after the number of its alternative.
-pub(super) const LANE_TYPES: &[Part] = &[
-    Part::ExtensibleBits(8),
-    lane_attributes(),
-    lane_attributes(),
-    lane_attributes(),
-    lane_attributes(),
-    lane_attributes(),
-    lane_attributes(),
-    lane_attributes(),
-];
+/// Alternatives of `LaneTypeAttributes`. The first is a vehicle's.
+pub(super) const LANE_TYPES: i64 = 8;
+pub(super) const VEHICLE_ATTRIBUTES: Part = Part::ExtensibleBits(8);
+pub(super) const OTHER_ATTRIBUTES: Part = Part::bits("attributes of a lane", 16);
 
 /// `OverlayLaneList`.
-pub(super) const OVERLAYS: Part = Part::List(Number::new("overlays", 1, 5), &Part::Whole(LANE_ID));
+pub(super) const OVERLAYS: Part = list("overlays", 1..=5, &Part::Whole(LANE_ID));
 
 const SMALL_OFFSET: Part = Part::whole("offset of a lane", -2047, 2047);
 const LARGE_OFFSET: Part = Part::whole("offset of a lane", -32_767, 32_767);
@@ -132,22 +111,19 @@ const LANE_OFFSET: Part = Part::Choice(Fixed, &[&SMALL_OFFSET, &LARGE_OFFSET]);
 const SCALE: Part = Part::whole("scale", -2048, 2047);
 
 /// `ComputedLane`.
-pub(super) const COMPUTED_LANE: Part = Part::Sequence(
-    Extensible,
-    &[
-        required(Part::Whole(LANE_ID)),
-        required(LANE_OFFSET),
-        required(LANE_OFFSET),
-        optional(Part::whole("rotation", 0, 28_800)),
-        optional(SCALE),
-        optional(SCALE),
-        optional(REGIONALS),
-    ],
-);
+pub(super) const COMPUTED_LANE: Part = extensible(&[
+    required(Part::Whole(LANE_ID)),
+    required(LANE_OFFSET),
+    required(LANE_OFFSET),
+    optional(Part::whole("rotation", 0, 28_800)),
+    optional(SCALE),
+    optional(SCALE),
+    optional(REGIONALS),
+]);
 
 /// `Node-LLmD-64b`.
 pub(super) const NODE_AT_POSITION: Part =
-    Part::Sequence(Fixed, &[required(Part::Whole(LONGITUDE)), required(Part::Whole(LATITUDE))]);
+    fixed(&[required(Part::Whole(LONGITUDE)), required(Part::Whole(LATITUDE))]);
 
 const CROWN_ANGLE: Part = Part::whole("crown angle", -128, 127);
 
@@ -164,47 +140,31 @@ const LANE_DATA: Part = Part::Choice(
     ],
 );
 
-const SEGMENT_ATTRIBUTES: Part = Part::List(
-    Number::new("attributes of a segment", 1, 8),
-    &Part::ExtensibleEnumeration(Number::new("attribute of a segment", 0, 37)),
-);
+const SEGMENT_ATTRIBUTES: Part =
+    list("attributes of a segment", 1..=8, &enumeration("attribute of a segment", 37));
 
 /// `NodeAttributeSetXY`.
-pub(super) const NODE_ATTRIBUTES: Part = Part::Sequence(
-    Extensible,
-    &[
-        optional(Part::List(
-            Number::new("attributes of a node", 1, 8),
-            &Part::ExtensibleEnumeration(Number::new("attribute of a node", 0, 11)),
-        )),
-        optional(SEGMENT_ATTRIBUTES),
-        optional(SEGMENT_ATTRIBUTES),
-        optional(Part::List(Number::new("data of a lane", 1, 8), &LANE_DATA)),
-        optional(Part::Whole(OFFSETS[0])),
-        optional(Part::Whole(OFFSETS[0])),
-        optional(REGIONALS),
-    ],
-);
+pub(super) const NODE_ATTRIBUTES: Part = extensible(&[
+    optional(list("attributes of a node", 1..=8, &enumeration("attribute of a node", 11))),
+    optional(SEGMENT_ATTRIBUTES),
+    optional(SEGMENT_ATTRIBUTES),
+    optional(list("data of a lane", 1..=8, &LANE_DATA)),
+    optional(Part::Whole(OFFSETS[0])),
+    optional(Part::Whole(OFFSETS[0])),
+    optional(REGIONALS),
+]);
 
-const TEXT: Part = Part::List(Number::new("characters of a text", 1, 255), &CHARACTER);
+const TEXT: Part = list("characters of a text", 1..=255, &CHARACTER);
 
 /// `DataParameters`.
 pub(super) const DATA_PARAMETERS: Part =
-    Part::Sequence(Extensible, &[optional(TEXT), optional(TEXT), optional(TEXT), optional(TEXT)]);
+    extensible(&[optional(TEXT), optional(TEXT), optional(TEXT), optional(TEXT)]);
 
-const USER: Part = Part::Choice(
-    Extensible,
-    &[&Part::ExtensibleEnumeration(Number::new("restriction", 0, 13)), &REGIONALS],
-);
+const USER: Part = Part::Choice(Extensible, &[&enumeration("restriction", 13), &REGIONALS]);
 
 /// `RestrictionClassList`.
-pub(super) const RESTRICTIONS: Part = Part::List(
-    Number::new("restrictions", 1, 254),
-    &Part::Sequence(
-        Fixed,
-        &[
-            required(RESTRICTION_CLASS),
-            required(Part::List(Number::new("restricted users", 1, 16), &USER)),
-        ],
-    ),
+pub(super) const RESTRICTIONS: Part = list(
+    "restrictions",
+    1..=254,
+    &fixed(&[required(RESTRICTION_CLASS), required(list("restricted users", 1..=16, &USER))]),
 );

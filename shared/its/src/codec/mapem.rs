@@ -2,11 +2,12 @@
 
 use super::dsrc::{
     APPROACH, COMPUTED_LANE, DATA_PARAMETERS, ELEVATION, LANE_ID, LANE_TYPES, LANE_WIDTH, LAYER_ID,
-    LAYER_TYPE, LAYER_TYPES, MINUTE, NAME, NODE_AT_POSITION, NODE_ATTRIBUTES, OFFSETS, OVERLAYS,
-    PREEMPT_PRIORITY, REGIONAL, REGIONALS, RESTRICTIONS, REVISION, SIGNAL_GROUP, SPEED_LIMITS,
+    LAYER_TYPE, LAYER_TYPES, MINUTE, NAME, NODE_AT_POSITION, NODE_ATTRIBUTES, OFFSETS,
+    OTHER_ATTRIBUTES, OVERLAYS, PREEMPT_PRIORITY, REGIONAL, REGIONALS, RESTRICTIONS, REVISION,
+    SIGNAL_GROUP, SPEED_LIMITS, VEHICLE_ATTRIBUTES,
 };
 use super::spatem::{INTERSECTIONS, read_reference, write_reference};
-use super::uper::{Number, Part, Reader, Skip, Source, Writer};
+use super::uper::{Number, Part, Reader, Source, Writer};
 use super::{LATITUDE, LONGITUDE, read_header, write_header};
 use crate::geodesy::Position;
 use crate::mapem::{Approach, Connection, IntersectionGeometry, Lane, Mapem};
@@ -23,13 +24,13 @@ const MANEUVER_BITS: u32 = 12;
 /// `LayerType`.
 const INTERSECTION_DATA: u8 = 3;
 /// `LaneTypeAttributes`.
-const VEHICLE: usize = 0;
+const VEHICLE: i64 = 0;
 /// `NodeListXY`.
 const NODES: u8 = 0;
 
 const LANES: Number = Number::new("lanes", 1, 255);
 const ROAD_SEGMENTS: Number = Number::new("road segments", 1, 32);
-const KIND_OF_LANE: Number = Number::new("kind of lane", 0, LANE_TYPES.len() as i64 - 1);
+const KIND_OF_LANE: Number = Number::new("kind of lane", 0, LANE_TYPES - 1);
 const KIND_OF_NODES: Number = Number::new("kind of nodes", 0, 1);
 const NODE_COUNT: Number = Number::new("nodes", 2, 63);
 /// The six offsets, a position, a regional extension.
@@ -49,10 +50,6 @@ pub(crate) fn encode(message: &Mapem) -> Result<Vec<u8>, EncodeError> {
     to.number(Number::new("layer type", 0, LAYER_TYPES), INTERSECTION_DATA)?;
     to.list(INTERSECTIONS, &message.intersections, write_intersection)?;
     Ok(to.finish())
-}
-
-pub(crate) fn decode(payload: &[u8]) -> Result<Mapem, PayloadError> {
-    read(&mut Reader::new(payload))
 }
 
 pub(super) fn read(from: &mut impl Source) -> Result<Mapem, PayloadError> {
@@ -156,7 +153,7 @@ fn write_lane(to: &mut Writer, lane: &Lane) -> Result<(), EncodeError> {
     to.flags(direction, DIRECTION_BITS);
     to.flags(MOTOR_VEHICLES, SHARING_BITS);
     to.not_extended();
-    to.number(KIND_OF_LANE, VEHICLE as i64)?;
+    to.number(KIND_OF_LANE, VEHICLE)?;
     // No special attributes: eight bits without a length.
     to.not_extended();
     to.flags(0, 8);
@@ -201,17 +198,18 @@ fn read_attributes(from: &mut impl Source) -> Result<Option<u16>, PayloadError> 
     from.sequence(|from, [regional]| {
         let direction = from.flags("direction", DIRECTION_BITS)?;
         from.flags("sharing", SHARING_BITS)?;
-        let kind = if from.extended()? {
+        let direction = if from.extended()? {
             from.pass_small()?;
             from.pass_open()?;
             None
         } else {
-            let kind = from.number::<usize>(KIND_OF_LANE)?;
-            from.skip(true, &LANE_TYPES[kind])?;
-            Some(kind)
+            let is_vehicle = from.whole(KIND_OF_LANE)? == VEHICLE;
+            let attributes = if is_vehicle { &VEHICLE_ATTRIBUTES } else { &OTHER_ATTRIBUTES };
+            from.skip(true, attributes)?;
+            is_vehicle.then_some(direction)
         };
         from.skip(regional, &REGIONAL)?;
-        Ok((kind == Some(VEHICLE)).then_some(direction))
+        Ok(direction)
     })
 }
 

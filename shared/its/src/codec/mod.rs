@@ -12,8 +12,8 @@ mod oracle;
 pub(crate) mod spatem;
 mod uper;
 
-use crate::{EncodeError, MessageKind, PayloadError};
-use uper::{Number, Source, Writer};
+use crate::{EncodeError, Message, MessageKind, PayloadError};
+use uper::{Number, Reader, Source, Writer};
 
 /// Version of encoded messages.
 const SENT_VERSION: u8 = 2;
@@ -22,6 +22,19 @@ const MESSAGE_ID: Number = Number::new("message id", 0, 255);
 const STATION_ID: Number = Number::new("station id", 0, 4_294_967_295);
 const LATITUDE: Number = Number::new("latitude", -900_000_000, 900_000_001);
 const LONGITUDE: Number = Number::new("longitude", -1_800_000_000, 1_800_000_001);
+
+/// The message of this kind in a payload.
+pub(crate) fn decode(kind: MessageKind, payload: &[u8]) -> Result<Message, PayloadError> {
+    read(kind, &mut Reader::new(payload))
+}
+
+fn read(kind: MessageKind, from: &mut impl Source) -> Result<Message, PayloadError> {
+    Ok(match kind {
+        MessageKind::Spatem => Message::Spatem(spatem::read(from)?),
+        MessageKind::Mapem => Message::Mapem(mapem::read(from)?),
+        MessageKind::Cam => Message::Cam(cam::read(from)?),
+    })
+}
 
 /// A message with its `ItsPduHeader`.
 fn write_header(kind: MessageKind, station_id: u32) -> Result<Writer, EncodeError> {

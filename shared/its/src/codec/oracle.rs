@@ -1,8 +1,8 @@
 //! Comparison with a decoder that is generated from the standards' ASN.1.
 
+use super::read;
 use super::uper::dice::Dice;
 use super::uper::{Number, Reader, Source};
-use super::{cam, mapem, spatem};
 use crate::{Message, MessageKind, PayloadError};
 
 mod theirs;
@@ -14,14 +14,6 @@ const FALSIFIED: u64 = 4;
 /// Messages of each kind in `tests/vectors.txt`, and their longest, bytes.
 const KEPT: usize = 12;
 const LONGEST_KEPT: usize = 90;
-
-fn read(kind: MessageKind, from: &mut impl Source) -> Result<Message, PayloadError> {
-    Ok(match kind {
-        MessageKind::Spatem => Message::Spatem(spatem::read(from)?),
-        MessageKind::Mapem => Message::Mapem(mapem::read(from)?),
-        MessageKind::Cam => Message::Cam(cam::read(from)?),
-    })
-}
 
 /// A reader that notes content of a later version, which the oracle misreads.
 struct Noting<'a> {

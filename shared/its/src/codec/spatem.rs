@@ -4,7 +4,7 @@ use super::dsrc::{
     ADVISORY_SPEEDS, ENABLED_LANES, MANEUVER_ASSIST, MINUTE, NAME, REGION, REGIONALS, REVISION,
     SIGNAL_GROUP,
 };
-use super::uper::{Number, Reader, Skip, Source, Writer};
+use super::uper::{Number, Reader, Source, Writer};
 use super::{read_header, write_header};
 use crate::spatem::{
     IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing,
@@ -39,10 +39,6 @@ pub(crate) fn encode(message: &Spatem) -> Result<Vec<u8>, EncodeError> {
     to.present([false; 3]);
     to.list(INTERSECTIONS, &message.intersections, write_intersection)?;
     Ok(to.finish())
-}
-
-pub(crate) fn decode(payload: &[u8]) -> Result<Spatem, PayloadError> {
-    read(&mut Reader::new(payload))
 }
 
 pub(super) fn read(from: &mut impl Source) -> Result<Spatem, PayloadError> {

@@ -138,7 +138,8 @@ pub fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, l
             let report = plant::last_known(group).unwrap_or_else(|| PlantReport {
                 duration_s: log.reached_s(),
                 control: log.figures(),
-                ..PlantReport::empty(Outcome::Aborted)
+                outcome: Outcome::Aborted,
+                ..PlantReport::default()
             });
             whole.details = Details::Plant(Box::new(report));
         }

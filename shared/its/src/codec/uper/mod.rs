@@ -2,15 +2,14 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `number` | a whole number's name and bounds, one declaration for both directions |
 //! | `writer` | fields to bits |
-//! | `source`, `reader` | fields from bits; the ways in which a type can be extended |
+//! | `source` | a number's name and bounds, for both directions; the ways in which a type can be extended |
+//! | `reader` | fields from bits |
 //! | `part` | parts that are checked and skipped, as tables |
 //!
 //! A frame has at most 1,500 bytes. Every list has a bound, and the tables of `part` have no cycle. So a
 //! message cannot demand memory or depth beyond that.
 
-mod number;
 mod part;
 mod reader;
 mod source;
@@ -19,8 +18,7 @@ mod writer;
 #[cfg(all(test, feature = "oracle"))]
 pub(super) mod dice;
 
-pub(super) use number::Number;
-pub(super) use part::{Form, Part, Skip, optional, required};
+pub(super) use part::{Form, Part, enumeration, extensible, fixed, list, optional, required};
 pub(super) use reader::Reader;
-pub(super) use source::Source;
+pub(super) use source::{Number, Source};
 pub(super) use writer::Writer;

@@ -2,6 +2,7 @@
 
 use super::{Number, Source};
 use crate::PayloadError;
+use std::ops::RangeInclusive;
 
 /// A part in the standard's terms. Text is a list of characters, octets are a list of numbers.
 #[derive(Debug)]
@@ -24,7 +25,7 @@ pub(in crate::codec) enum Part {
     Open,
 }
 
-/// True if a later version may add to a type.
+/// Whether a later version may add to a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::codec) enum Form {
     Fixed,
@@ -46,6 +47,30 @@ pub(in crate::codec) const fn required(part: Part) -> Field {
 /// A field with a presence bit.
 pub(in crate::codec) const fn optional(part: Part) -> Field {
     Field { optional: true, part }
+}
+
+/// Fields in their order.
+pub(in crate::codec) const fn fixed(fields: &'static [Field]) -> Part {
+    Part::Sequence(Form::Fixed, fields)
+}
+
+/// Fields in their order, to which a later version may add.
+pub(in crate::codec) const fn extensible(fields: &'static [Field]) -> Part {
+    Part::Sequence(Form::Extensible, fields)
+}
+
+/// A list with the bounds of its count.
+pub(in crate::codec) const fn list(
+    what: &'static str,
+    count: RangeInclusive<i64>,
+    entry: &'static Part,
+) -> Part {
+    Part::List(Number::new(what, *count.start(), *count.end()), entry)
+}
+
+/// An enumeration of `0` to `most` that a later version may extend.
+pub(in crate::codec) const fn enumeration(what: &'static str, most: i64) -> Part {
+    Part::ExtensibleEnumeration(Number::new(what, 0, most))
 }
 
 impl Part {
@@ -91,19 +116,6 @@ impl Part {
         }
     }
 }
-
-/// Skipping of parts of a source.
-pub(in crate::codec) trait Skip: Source {
-    /// Checks and skips a part if its bit marked it as present.
-    ///
-    /// # Errors
-    /// [`PayloadError`].
-    fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {
-        if there { part.skip(self) } else { Ok(()) }
-    }
-}
-
-impl<S: Source> Skip for S {}
 
 fn skip_sequence(from: &mut impl Source, form: Form, fields: &[Field]) -> Result<(), PayloadError> {
     let extended = form == Form::Extensible && from.extended()?;

@@ -1,6 +1,5 @@
 //! Fields from bits.
 
-use super::source::out_of_range;
 use super::{Number, Source};
 use crate::PayloadError;
 
@@ -39,7 +38,7 @@ impl Source for Reader<'_> {
         let behind = end.next_multiple_of(8) - end;
         let offset = window >> behind & ((1 << bits) - 1);
         let value = number.least + offset as i64;
-        if number.contains(value) { Ok(value) } else { Err(out_of_range(number, value)) }
+        if number.contains(value) { Ok(value) } else { Err(number.refuses(value)) }
     }
 
     fn pass(&mut self, bits: u64) -> Result<(), PayloadError> {

@@ -1,7 +1,39 @@
 //! Fields in order, and the ways in which a type of the standards can be extended.
 
-use super::Number;
+use super::Part;
 use crate::PayloadError;
+
+/// A constrained whole number (clause 11.5): a field's name and bounds. It also describes an enumeration, the
+/// alternative of a choice and the count of a list.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::codec) struct Number {
+    /// Name in errors.
+    pub(super) what: &'static str,
+    pub(super) least: i64,
+    pub(super) most: i64,
+}
+
+impl Number {
+    /// Numbers from `least` to `most`.
+    pub(in crate::codec) const fn new(what: &'static str, least: i64, most: i64) -> Self {
+        Self { what, least, most }
+    }
+
+    /// Bits for a number of this range.
+    pub(super) const fn bits(self) -> u32 {
+        i64::BITS - (self.most - self.least).leading_zeros()
+    }
+
+    /// True if `value` is within the bounds.
+    pub(in crate::codec) const fn contains(self, value: i64) -> bool {
+        self.least <= value && value <= self.most
+    }
+
+    pub(super) fn refuses(self, value: i64) -> PayloadError {
+        let Self { what, least, most } = self;
+        PayloadError::Range { what, value, least, most }
+    }
+}
 
 const BIT: Number = Number::new("bit", 0, 1);
 /// Clause 11.6, the short form; clause 11.9.3.4 counts from one.
@@ -10,40 +42,25 @@ const SHORT_LENGTH: Number = Number::new("length", 0, 127);
 const LONG_LENGTH: Number = Number::new("length", 0, 16_383);
 
 /// Fields in the order of the message. A decoder requests each with its bounds, so that a test can answer
-/// instead of bytes.
+/// instead of bytes. A request fails if the message ends before, or has a value outside the bounds.
 pub(in crate::codec) trait Source: Sized {
     /// A whole number within its bounds.
-    ///
-    /// # Errors
-    /// [`PayloadError`]: outside its bounds, or the message ends.
     fn whole(&mut self, number: Number) -> Result<i64, PayloadError>;
 
     /// Skips bits of any content.
-    ///
-    /// # Errors
-    /// [`PayloadError::Ends`].
     fn pass(&mut self, bits: u64) -> Result<(), PayloadError>;
 
     /// Number of entries of a list.
-    ///
-    /// # Errors
-    /// As for [`Self::whole`].
     fn count(&mut self, number: Number) -> Result<i64, PayloadError> {
         self.whole(number)
     }
 
     /// True if a type has content of a later version.
-    ///
-    /// # Errors
-    /// [`PayloadError::Ends`].
     fn extended(&mut self) -> Result<bool, PayloadError> {
         self.bit()
     }
 
     /// A length without bounds (clause 11.9), in octets, bits or entries.
-    ///
-    /// # Errors
-    /// [`PayloadError::Length`]: lengths from 16 Ki on are fragmented and longer than a frame.
     fn length(&mut self) -> Result<u64, PayloadError> {
         if !self.bit()? {
             return self.number(SHORT_LENGTH);
@@ -55,18 +72,12 @@ pub(in crate::codec) trait Source: Sized {
     }
 
     /// A whole number in the type of the field.
-    ///
-    /// # Errors
-    /// As for [`Self::whole`].
     fn number<T: TryFrom<i64>>(&mut self, number: Number) -> Result<T, PayloadError> {
         let value = self.whole(number)?;
-        T::try_from(value).map_err(|_| out_of_range(number, value))
+        T::try_from(value).map_err(|_| number.refuses(value))
     }
 
     /// A number that is present if its bit said so.
-    ///
-    /// # Errors
-    /// As for [`Self::whole`].
     fn some_number<T: TryFrom<i64>>(
         &mut self,
         there: bool,
@@ -75,27 +86,23 @@ pub(in crate::codec) trait Source: Sized {
         there.then(|| self.number(number)).transpose()
     }
 
+    /// Checks and skips a part if its bit marked it as present.
+    fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {
+        if there { part.skip(self) } else { Ok(()) }
+    }
+
     /// One flag.
-    ///
-    /// # Errors
-    /// [`PayloadError::Ends`].
     fn bit(&mut self) -> Result<bool, PayloadError> {
         Ok(self.whole(BIT)? == 1)
     }
 
     /// A bit string of a fixed size up to 16: its bit n is bit n of the flags.
-    ///
-    /// # Errors
-    /// [`PayloadError::Ends`].
     fn flags(&mut self, what: &'static str, size: u32) -> Result<u16, PayloadError> {
         let bits: u16 = self.number(Number::new(what, 0, (1 << size) - 1))?;
         Ok(bits.reverse_bits() >> (u16::BITS - size))
     }
 
     /// A sequence that cannot be extended, with the presence of its optional parts.
-    ///
-    /// # Errors
-    /// The error of `read`, and [`PayloadError::Ends`].
     fn sequence<T, const N: usize>(
         &mut self,
         read: impl FnOnce(&mut Self, [bool; N]) -> Result<T, PayloadError>,
@@ -108,9 +115,6 @@ pub(in crate::codec) trait Source: Sized {
     }
 
     /// A sequence that can be extended: additions of later versions are skipped.
-    ///
-    /// # Errors
-    /// The error of `read`, and [`PayloadError`] in the additions.
     fn extensible<T, const N: usize>(
         &mut self,
         read: impl FnOnce(&mut Self, [bool; N]) -> Result<T, PayloadError>,
@@ -124,9 +128,6 @@ pub(in crate::codec) trait Source: Sized {
     }
 
     /// A list.
-    ///
-    /// # Errors
-    /// The error of `each`, and [`PayloadError`] in the count.
     fn list<T>(
         &mut self,
         count: Number,
@@ -138,9 +139,6 @@ pub(in crate::codec) trait Source: Sized {
 
     /// The additions of an extended sequence (clauses 19.7 to 19.9): their presence, and each after its
     /// length.
-    ///
-    /// # Errors
-    /// [`PayloadError`].
     fn pass_additions(&mut self) -> Result<(), PayloadError> {
         let known = if self.bit()? { self.length()? } else { self.number::<u64>(SMALL)? + 1 };
         let mut there = 0;
@@ -151,24 +149,13 @@ pub(in crate::codec) trait Source: Sized {
     }
 
     /// The number of an alternative that a later version added to an enumeration or choice (clause 11.6).
-    ///
-    /// # Errors
-    /// [`PayloadError`].
     fn pass_small(&mut self) -> Result<(), PayloadError> {
         if self.bit()? { self.pass_open() } else { self.whole(SMALL).map(drop) }
     }
 
     /// An open type, or a number without bounds: octets after their length.
-    ///
-    /// # Errors
-    /// [`PayloadError`].
     fn pass_open(&mut self) -> Result<(), PayloadError> {
         let octets = self.length()?;
         self.pass(8 * octets)
     }
-}
-
-pub(super) fn out_of_range(number: Number, value: i64) -> PayloadError {
-    let Number { what, least, most } = number;
-    PayloadError::Range { what, value, least, most }
 }

@@ -40,9 +40,6 @@ impl Writer {
     }
 
     /// A constrained whole number.
-    ///
-    /// # Errors
-    /// [`EncodeError::Range`].
     pub(in crate::codec) fn number(
         &mut self,
         number: Number,
@@ -56,6 +53,11 @@ impl Writer {
         let offset = value - number.least;
         (0..number.bits()).rev().for_each(|place| self.bit(offset >> place & 1 == 1));
         Ok(())
+    }
+
+    /// A figure that is unknown: the standards have the highest number for that.
+    pub(in crate::codec) fn unknown(&mut self, number: Number) -> Result<(), EncodeError> {
+        self.number(number, number.most)
     }
 
     /// Like [`Self::number`], for an optional part.
