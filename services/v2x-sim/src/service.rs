@@ -52,13 +52,12 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let newest = lights.as_ref().and_then(Subscriber::newest);
 
         // The referee's copy goes first: the plant may wait for it.
-        let shown = match newest {
+        let mut shown = match newest {
             Some(lights) => near(lights, ego_m, f64::INFINITY),
             None => voice.truth(&unit, time_ns, ego_m),
         };
-        truth.send_with(|message| {
-            *message = SignalTruth { header, ..shown };
-        })?;
+        shown.header = header;
+        truth.send_with(|message| *message = shown)?;
         voice.send(runtime, header, (&unit, newest), ego_m)?;
         if let Some(preview) = &mut preview {
             preview.send(header, ego_m)?;

@@ -3,7 +3,6 @@
 
 use super::uper::{Form, Number, Part, enumeration, extensible, fixed, list, optional, required};
 use super::{LATITUDE, LONGITUDE};
-use Form::{Extensible, Fixed};
 
 pub(super) const ACCELERATION: Number = Number::new("acceleration", -160, 161);
 pub(super) const ACCELERATION_CONFIDENCE: Number = Number::new("acceleration's confidence", 0, 102);
@@ -92,7 +91,7 @@ const SAFETY_CAR: Part = fixed(&[
 /// `SpecialVehicleContainer`: public transport, special transport, dangerous goods, road works, rescue,
 /// emergency, safety car.
 pub(super) const SPECIAL_VEHICLE: Part = Part::Choice(
-    Extensible,
+    Form::Extensible,
     &[
         &PUBLIC_TRANSPORT,
         &SPECIAL_TRANSPORT,

@@ -2,7 +2,6 @@
 
 use super::uper::{Form, Number, Part, enumeration, extensible, fixed, list, optional, required};
 use super::{LATITUDE, LONGITUDE};
-use Form::{Extensible, Fixed};
 
 /// `MinuteOfTheYear`.
 pub(super) const MINUTE: Number = Number::new("minute", 0, 527_040);
@@ -107,7 +106,7 @@ pub(super) const OVERLAYS: Part = list("overlays", 1..=5, &Part::Whole(LANE_ID))
 
 const SMALL_OFFSET: Part = Part::whole("offset of a lane", -2047, 2047);
 const LARGE_OFFSET: Part = Part::whole("offset of a lane", -32_767, 32_767);
-const LANE_OFFSET: Part = Part::Choice(Fixed, &[&SMALL_OFFSET, &LARGE_OFFSET]);
+const LANE_OFFSET: Part = Part::Choice(Form::Fixed, &[&SMALL_OFFSET, &LARGE_OFFSET]);
 const SCALE: Part = Part::whole("scale", -2048, 2047);
 
 /// `ComputedLane`.
@@ -128,7 +127,7 @@ pub(super) const NODE_AT_POSITION: Part =
 const CROWN_ANGLE: Part = Part::whole("crown angle", -128, 127);
 
 const LANE_DATA: Part = Part::Choice(
-    Extensible,
+    Form::Extensible,
     &[
         &Part::whole("end angle of a path", -150, 150),
         &CROWN_ANGLE,
@@ -160,7 +159,7 @@ const TEXT: Part = list("characters of a text", 1..=255, &CHARACTER);
 pub(super) const DATA_PARAMETERS: Part =
     extensible(&[optional(TEXT), optional(TEXT), optional(TEXT), optional(TEXT)]);
 
-const USER: Part = Part::Choice(Extensible, &[&enumeration("restriction", 13), &REGIONALS]);
+const USER: Part = Part::Choice(Form::Extensible, &[&enumeration("restriction", 13), &REGIONALS]);
 
 /// `RestrictionClassList`.
 pub(super) const RESTRICTIONS: Part = list(
