@@ -315,7 +315,7 @@ fn units_of_another_tool_are_laws() {
 fn exported_units_run_under_another_master() {
     let corner = Corner::new(PROGRAM);
     for (name, words) in [("law.fmu", &[][..]), ("loop.fmu", &["--plant", "--link"])] {
-        let export = ["export-fmu", "--law", "acc-mpc", "--out", name];
+        let export = ["export-fmu", "--law", "acc-mpc", "--file", name];
         let output = corner.run(&[&export[..], words].concat());
         assert!(output.status.success(), "{}", text(&output));
     }
@@ -328,7 +328,7 @@ fn exported_units_run_under_another_master() {
 /// The way out and in again: the law as a unit drives as the law.
 fn an_exported_law_is_the_law() {
     let corner = Corner::new(PROGRAM);
-    let export = ["export-fmu", "--law", "six-mode", "--link", "--out", "six.fmu"];
+    let export = ["export-fmu", "--law", "six-mode", "--link", "--file", "six.fmu"];
     let output = corner.run(&export);
     assert!(output.status.success(), "{}", text(&output));
     let gap = |words: &[&str]| {
@@ -338,10 +338,10 @@ fn an_exported_law_is_the_law() {
     let (law, unit) = (gap(&["--controller", "six-mode"]), gap(&["--law", "six=six.fmu"]));
     assert!((law - unit).abs() < 0.5, "{law} {unit}");
     for (words, what) in [
-        (&["--law", "acc-mcp", "--out", "x.fmu"][..], "did you mean `acc-mpc`?"),
-        (&["--law", "acc-mpc", "--out", "x.zip"], "ends with .fmu"),
-        (&["--law", "predictive", "--out", "x.fmu"], "expected"),
-        (&["--law", "acc-mpc", "--out", "none/x.fmu"], "cannot write"),
+        (&["--law", "acc-mcp", "--file", "x.fmu"][..], "did you mean `acc-mpc`?"),
+        (&["--law", "acc-mpc", "--file", "x.zip"], "ends with .fmu"),
+        (&["--law", "predictive", "--file", "x.fmu"], "expected"),
+        (&["--law", "acc-mpc", "--file", "none/x.fmu"], "cannot write"),
     ] {
         let output = corner.run(&[&["export-fmu"], words].concat());
         assert_eq!(output.status.code(), Some(2), "{}", text(&output));

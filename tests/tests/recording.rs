@@ -239,7 +239,7 @@ fn a_full_disk_is_named_by_recover_and_leaves_no_part_of_a_file() {
     assert!(corner.run(&run).status.success());
     let part = corner.path().join("out/whole.mcap.part");
     std::os::unix::fs::symlink("/dev/full", &part).expect("writable");
-    let output = corner.run(&["recording", "recover", "out", "--out", "out/whole.mcap"]);
+    let output = corner.run(&["recording", "recover", "out", "--file", "out/whole.mcap"]);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output));
     assert!(text(&output).contains("No space left on device"), "{}", text(&output));
     assert!(part.symlink_metadata().is_err(), "it is removed");

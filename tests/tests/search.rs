@@ -73,7 +73,7 @@ fn a_minimal_case_repeats_and_an_interrupted_search_goes_on_the_same_way() {
 fn faults_are_ranked_by_what_they_break() {
     let corner = Corner::new(PROGRAM);
     let words =
-        ["search", "tight-brake", "--faults", "all", "--budget", "140", "--seeds", "3", "--json"];
+        ["search", "tight-brake", "--faults", "all", "--budget", "140", "--trials", "3", "--json"];
     let output = corner.run(&words);
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", system_tests::text(&output));
     let result: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");

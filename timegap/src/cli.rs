@@ -123,15 +123,24 @@ const RENAMED: [(&[&str], &[&str]); 17] = [
     (&["list", "--schema"], &["print", "schema"]),
 ];
 
-/// Options of version 0.2 with their commands and the present names.
-const RENAMED_OPTIONS: [(&str, &str, &str); 2] =
-    [("sweep", "--param", "--vary"), ("string", "--param", "--vary")];
+/// Options of version 0.2 with their commands and the present names. Each works in this version, with a note.
+const RENAMED_OPTIONS: [(&str, &str, &str); 8] = [
+    ("sweep", "--param", "--vary"),
+    ("string", "--param", "--vary"),
+    ("search", "--seeds", "--trials"),
+    ("test r157", "--csv", "--table"),
+    ("recording lead", "--csv", "--table"),
+    ("recording recover", "--out", "--file"),
+    ("recording replay", "--out", "--file"),
+    ("recording trace", "--out", "--file"),
+];
 
 /// Replaces old names of the command's options.
 fn with_new_options(mut words: Vec<OsString>) -> (Vec<OsString>, Option<String>) {
     let mut note = None;
     for (command, old, new) in RENAMED_OPTIONS {
-        if words.get(1).is_none_or(|word| word != command) {
+        let is_it = |(place, name)| words.get(1 + place).is_some_and(|word| word == name);
+        if !command.split(' ').enumerate().all(is_it) {
             continue;
         }
         for word in &mut words {

@@ -47,7 +47,7 @@ pub struct LeadArguments {
     pub page: Option<PathBuf>,
     /// Write the points that a run would use as CSV
     #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
+    pub table: Option<PathBuf>,
     /// Print the result as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
@@ -80,9 +80,9 @@ pub fn run(arguments: &LeadArguments) -> Result<ExitCode, Error> {
     if let Some(page) = &arguments.page {
         write(page, &document.page())?;
     }
-    if let Some(csv) = &arguments.csv {
+    if let Some(table) = &arguments.table {
         let lines = record.profile().map(|(t, v)| format!("{t},{v}\n"));
-        write(csv, &("time_s,speed_mps\n".to_owned() + &lines.collect::<String>()))?;
+        write(table, &("time_s,speed_mps\n".to_owned() + &lines.collect::<String>()))?;
     }
     print::show(arguments.json, &document)?;
     Ok(if refusal.is_some() { ExitCode::FAILURE } else { ExitCode::SUCCESS })

@@ -38,7 +38,7 @@ pub struct ExportArguments {
     pub plant: bool,
     /// Unit to write
     #[arg(long, value_name = "FILE.fmu")]
-    pub out: PathBuf,
+    pub file: PathBuf,
     /// Set a key of the law or the vehicle, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<Setting>,
@@ -53,10 +53,10 @@ pub struct ExportArguments {
 /// When there is no such law, a key is wrong, or the unit cannot be written.
 pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     if let Some(path) =
-        arguments.out.extension().is_none_or(|end| end != "fmu").then_some(&arguments.out)
+        arguments.file.extension().is_none_or(|end| end != "fmu").then_some(&arguments.file)
     {
         return Err(UsageError::option(
-            "--out",
+            "--file",
             path.display(),
             "not a unit",
             "a name that ends with .fmu",
@@ -106,8 +106,8 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     if arguments.plant {
         files.push(("resources/loop", b"\n"));
     }
-    let unit = fmi::pack(&files).map_err(Error::path("pack", &arguments.out))?;
-    fs::write(&arguments.out, unit).map_err(Error::path("write", &arguments.out))?;
+    let unit = fmi::pack(&files).map_err(Error::path("pack", &arguments.file))?;
+    fs::write(&arguments.file, unit).map_err(Error::path("write", &arguments.file))?;
     Ok(ExitCode::SUCCESS)
 }
 

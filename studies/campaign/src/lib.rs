@@ -35,7 +35,6 @@ mod columns;
 mod document;
 mod exposure;
 mod file;
-mod gate;
 mod jobs;
 mod launcher_death;
 mod measured;

@@ -1,7 +1,7 @@
 //! The study of a campaign file: its runs, their records, and the verdict.
 
 use super::blame::Blame;
-use super::columns::RUNS;
+use super::columns::{self, RUNS};
 use super::document::document;
 use super::file::Campaign;
 use super::jobs::{Targets, job};
@@ -10,7 +10,7 @@ use super::plan::{Plan, plan};
 use super::record::Record;
 use super::sums::Sums;
 use super::verdict::{Scope, Verdict};
-use super::{gate, jobs, launcher_death};
+use super::{jobs, launcher_death};
 use clap::Args;
 use frame::batch::{Done, Job};
 use frame::{Command, Crew, DriveOptions, Entry, Found, Recorded, RunOptions, Study, batch, parts};
@@ -186,10 +186,10 @@ impl Study for FileCampaign {
         if shard.is_none() {
             let mut records_of = Vec::new();
             records.each(&mut |_, record| {
-                records_of.push(gate::Run::of(record));
+                records_of.push(columns::Run::of(record));
                 Ok(())
             })?;
-            verdict.samples = gate::samples(&records_of, self.campaign.mode);
+            verdict.samples = columns::samples(&records_of, self.campaign.mode);
         }
         // A part is compared when it is merged.
         let baseline = self.baseline.as_ref().filter(|_| shard.is_none());

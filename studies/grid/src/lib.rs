@@ -13,7 +13,6 @@
 //! assert_eq!(gap["description"], "Smallest gap to the vehicle ahead, m");
 //! ```
 
-mod cells;
 pub mod compare;
 mod row;
 pub mod sweep;

@@ -13,9 +13,8 @@
 //! Source of the levels: Papaioannou, Geyer, Straub 2019.
 
 use crate::Limit;
-use crate::estimate::{Budget, Estimate, Replica};
+use crate::estimate::{Budget, Estimate, REPLICAS, Replica};
 use crate::gaussian::Gaussian;
-use crate::interval::REPLICAS;
 use crate::smoothing::Smoothing;
 use rand_core::Rng;
 use rand_pcg::Pcg64;

@@ -35,7 +35,6 @@ mod distribution;
 mod estimate;
 mod factor;
 mod gaussian;
-mod interval;
 mod monte_carlo;
 pub mod normal;
 mod smoothing;
@@ -44,8 +43,7 @@ pub mod sobol;
 pub use copula::{Copula, CopulaError};
 pub use cross_entropy::{cross_entropy, replica};
 pub use distribution::{Distribution, DistributionError};
-pub use estimate::{Budget, Estimate, Replica, disagree};
-pub use interval::{REPLICAS, wilson};
+pub use estimate::{Budget, Estimate, REPLICAS, Replica, disagree, wilson};
 pub use monte_carlo::{ENOUGH_EVENTS, monte_carlo, point};
 
 /// The value at a point, below 0 in the event. It may fail.

@@ -58,7 +58,7 @@ pub struct SearchArguments {
     pub replicas: NonZeroUsize,
     /// Seeds on which a minimal case is tried; it must fail on 80 % of them
     #[arg(long, value_name = "N", default_value = "10")]
-    pub seeds: NonZeroUsize,
+    pub trials: NonZeroUsize,
     /// Failures that are reduced to minimal cases, 0 to 5
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=5))]
     pub cases: u8,

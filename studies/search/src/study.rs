@@ -119,7 +119,7 @@ impl Study for Runs {
             method,
             budget: arguments.budget.get(),
             seed,
-            seeds: arguments.seeds.get(),
+            seeds: arguments.trials.get(),
             cases: arguments.cases.into(),
             group: options.group.clone(),
             jobs: options.jobs,

@@ -12,7 +12,6 @@
 
 mod arguments;
 mod cars;
-mod columns;
 mod drive;
 mod limits;
 mod measure;
@@ -26,7 +25,7 @@ mod wave;
 
 pub use arguments::StringArguments;
 pub use cars::CarByCar;
-pub use columns::schema;
+pub use results::schema;
 
 use std::process::ExitCode;
 

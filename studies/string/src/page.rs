@@ -5,9 +5,8 @@ use report::html::{Tile, figure};
 use report::results::Document;
 use report::table::NONE;
 
-use super::columns;
 use super::limits::Limits;
-use super::results::{Results, Vehicle, cars_in_words};
+use super::results::{self, Results, Vehicle, cars_in_words};
 use super::wave::Driven;
 
 /// Height of the time-space diagram, px.
@@ -30,20 +29,20 @@ pub fn document(results: &Results, driven: &[Driven]) -> Document {
         .succeeds(whole && results.meets_requirements())
         .tiles(figures_of(results))
         .figures("Motion", grid(&motion))
-        .table(columns::cars(results));
+        .table(results::cars(results));
     if driven.len() > 1 {
         document =
             document.figures("Amplification along the string", grid(&figure(&along(results))));
     }
     if !results.frequencies.is_empty() {
         let curve = grid(&figure(&gain_curve(results)));
-        document = document.table(columns::curve(results).figures("", curve));
+        document = document.table(results::curve(results).figures("", curve));
     }
     if !results.limits.is_empty() {
         document = document.figures("Limits", grid(&limit_plots(&results.limits)));
     }
     for limits in &results.limits {
-        document = document.text(limits.sentence() + ".").table(columns::limit(limits));
+        document = document.text(limits.sentence() + ".").table(results::limit(limits));
     }
     document
 }

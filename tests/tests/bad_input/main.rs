@@ -92,7 +92,7 @@ fn driver_assistance() {
         &["faults.0", "core 1023", "expected one of 0"],
     );
     refused(
-        &["test", "r157", "--models-only", "--matrix", "following", "--csv", "models.csv"],
+        &["test", "r157", "--models-only", "--matrix", "following", "--table", "models.csv"],
         2,
         &["there are none", "--matrix cut-in"],
     );

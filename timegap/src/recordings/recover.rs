@@ -17,7 +17,7 @@ pub struct RecoverArguments {
     pub run: PathBuf,
     /// File for the repaired recording [default: replaces the damaged one, which is kept as *.broken]
     #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
+    pub file: Option<PathBuf>,
     /// Print the result as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
@@ -25,26 +25,26 @@ pub struct RecoverArguments {
 
 pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let broken = open(&arguments.run)?;
-    if arguments.out.is_none() && is_being_recorded(broken.path()) {
+    if arguments.file.is_none() && is_being_recorded(broken.path()) {
         let place = broken.path().display();
         return Err(UsageError::at(place, "is still being recorded", "its run's end").into());
     }
-    if let Some(out) = &arguments.out {
+    if let Some(out) = &arguments.file {
         expect_another_file(&broken, out)?;
     }
     let survey = broken.survey();
-    let is_asked_for = arguments.out.is_some() || !survey.damage.is_empty();
+    let is_asked_for = arguments.file.is_some() || !survey.damage.is_empty();
     if survey.tally.messages() == 0 && is_asked_for {
         super::print_damage(&broken, &survey.damage);
         let place = broken.path().display();
         return Err(UsageError::at(place, "holds no complete message", "one to recover").into());
     }
     let damage: Vec<_> = survey.damage.iter().map(ToString::to_string).collect();
-    let whole = damage.is_empty() && arguments.out.is_none();
+    let whole = damage.is_empty() && arguments.file.is_none();
     let (path, tally) = if whole {
         (broken.path().to_owned(), survey.tally)
     } else {
-        rewrite(&broken, arguments.out.as_deref())?
+        rewrite(&broken, arguments.file.as_deref())?
     };
     let duration_s = survey.end_ns as f64 / 1e9;
     let whole_result = json!({

@@ -35,7 +35,7 @@ pub struct TraceArguments {
     pub run: PathBuf,
     /// File for the trace [default: trace.pftrace beside the recording]
     #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
+    pub file: Option<PathBuf>,
     /// Print the counts as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
@@ -56,7 +56,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
     let recording = Recording::open(&arguments.run)?;
     let text = &recording.metadata().scenario;
     let scenario = Scenario::parse("the recording's scenario", text)?;
-    let file = match &arguments.out {
+    let file = match &arguments.file {
         Some(file) => file.clone(),
         None => recording.path().with_file_name("trace.pftrace"),
     };

@@ -27,7 +27,6 @@ mod blocks;
 mod chain;
 mod document;
 mod goals;
-mod limits;
 mod paired;
 pub mod payload;
 pub mod peer;

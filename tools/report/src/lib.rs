@@ -30,7 +30,6 @@ pub mod output;
 mod over_time;
 mod picture;
 mod plane;
-mod plane_road;
 pub mod print;
 pub mod results;
 mod run;

@@ -2,7 +2,7 @@
 
 use crate::events::{Event, follow_signals};
 use crate::root::RunRoot;
-use crate::root::room::check_room;
+use crate::root::check_room;
 use crate::start::attendant::Attendant;
 use crate::start::processes::{Janitor, Process};
 use crate::{Error, MachineError};

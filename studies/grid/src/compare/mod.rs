@@ -26,8 +26,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use supervise::{Error, Opening, ScenarioOptions, UsageError};
 
-use crate::cells::{Cell, Grid};
-use crate::row::Row;
+use crate::row::{Cell, Grid, Row};
 
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct CompareArguments {

@@ -24,8 +24,7 @@ use runtime::Mode;
 use std::process::ExitCode;
 use supervise::{Error, Opening, ScenarioOptions, UsageError};
 
-use crate::cells::{Cell, Grid};
-use crate::row::Row;
+use crate::row::{Cell, Grid, Row};
 
 /// Most runs of a sweep.
 const MAX_RUNS: usize = 100_000;

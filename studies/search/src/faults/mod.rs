@@ -82,7 +82,7 @@ impl Study for Faults {
             sobol: Sobol::new(3, Some(seed_of(seed, 8, 0))),
             budget: arguments.budget.get(),
             seed,
-            seeds: arguments.seeds.get(),
+            seeds: arguments.trials.get(),
             group: run.group.clone(),
             jobs: run.jobs,
             is_quiet: run.results.json,

@@ -146,7 +146,7 @@ mod tests {
             models_only: false,
             sample: None,
             seed: 1,
-            csv: None,
+            table: None,
         };
         document(&Results { schema_version: 1, ok, matrices }, &[judged], &arguments)
     }

@@ -52,10 +52,10 @@ pub struct R157Arguments {
     /// Seed of the drawn cases and of the sensors' noise
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u32,
-    /// Write the models' outcomes of the cut-ins as a table
+    /// Write the models' outcomes of the cut-ins as CSV
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
-    pub csv: Option<PathBuf>,
+    pub table: Option<PathBuf>,
 }
 
 /// Every case of every matrix by every law, in this order.
@@ -71,7 +71,7 @@ pub fn schema() -> Schema {
 }
 
 pub fn run(command: &Command<R157Arguments>) -> Result<ExitCode, Error> {
-    if let Some(path) = &command.study.csv {
+    if let Some(path) = &command.study.table {
         command.study.write_table(path)?;
     }
     frame::run::<Plan>(command)
@@ -228,7 +228,9 @@ impl R157Arguments {
         let cut_ins: Vec<_> = cases.filter_map(Case::cut_in).collect();
         if cut_ins.is_empty() {
             let why = "the table has the cut-ins, and there are none";
-            return Err(UsageError::option("--csv", path.display(), why, "--matrix cut-in").into());
+            return Err(
+                UsageError::option("--table", path.display(), why, "--matrix cut-in").into()
+            );
         }
         std::fs::write(path, matrix::csv(cut_ins)).map_err(Error::path("write", path))
     }
@@ -290,7 +292,7 @@ mod tests {
     fn a_table_without_cut_ins_is_refused_and_a_matrix_counts_once() {
         let table = command(&["--matrix", "following"]).study.write_table(Path::new("x.csv"));
         let said = table.expect_err("no cut-ins").to_string();
-        assert!(said.contains("--csv x.csv: ") && said.contains("--matrix cut-in"), "{said}");
+        assert!(said.contains("--table x.csv: ") && said.contains("--matrix cut-in"), "{said}");
         let twice = command(&["--matrix", "cut-in,cut-in", "--sample", "5"]).study.matrices();
         assert_eq!(twice.iter().map(|(_, cases)| cases.len()).collect::<Vec<_>>(), [5]);
     }

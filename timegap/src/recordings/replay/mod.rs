@@ -44,7 +44,7 @@ pub struct ReplayArguments {
     pub set: Vec<Setting>,
     /// File for both controllers' requests [default: replay.csv beside the recording]
     #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
+    pub file: Option<PathBuf>,
     /// Print the comparison as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
@@ -62,7 +62,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
         return Err(UsageError::at(place, "no control cycle", "one that can be replayed").into());
     }
     let path =
-        arguments.out.clone().unwrap_or_else(|| recording.path().with_file_name("replay.csv"));
+        arguments.file.clone().unwrap_or_else(|| recording.path().with_file_name("replay.csv"));
     expect_another_file(&recording, &path)?;
     let bar = count_bar(usize::try_from(cycles).unwrap_or(usize::MAX), arguments.json);
     let program = arguments.service.as_ref().map(|(_, program)| program);

@@ -1,9 +1,10 @@
-//! Ground truth of the other vehicles, step by step. A second message has those for which the first has no room.
+//! Ground truth of the other vehicles, step by step, and topics of which only the headers matter. A second message has
+//! the vehicles for which the first has no room.
 
 use crate::log::kept_steps::KeptSteps;
 use crate::log::present::join;
 use crate::report::ReceivedTopic;
-use messages::{AllVehicles, MAX_TRACKS, MoreVehicles, VehicleTruth};
+use messages::{AllVehicles, Header, MAX_TRACKS, Message, MoreVehicles, Topic, VehicleTruth};
 use runtime::{Observed, Observer, RuntimeError};
 
 /// Steps so far, and room for those to come: a long drive allocates no more than a short one.
@@ -65,4 +66,31 @@ impl Further {
     pub(crate) fn received(&self) -> ReceivedTopic {
         self.topic.received()
     }
+}
+
+/// A topic of which only the headers matter.
+pub(crate) trait Headers: std::fmt::Debug {
+    /// Takes all that arrived.
+    fn drain_headers(&mut self, each: &mut dyn FnMut(Topic, &Header)) -> Result<(), RuntimeError>;
+}
+
+impl<T: Message> Headers for Observed<T> {
+    fn drain_headers(&mut self, each: &mut dyn FnMut(Topic, &Header)) -> Result<(), RuntimeError> {
+        self.drain(|message| each(T::TOPIC, message.header()))
+    }
+}
+
+/// Opens a topic by its number.
+pub(crate) fn listen_to(
+    observer: &Observer,
+    topic: Topic,
+) -> Result<Box<dyn Headers>, RuntimeError> {
+    macro_rules! by_topic {
+        ($($message:ty),+) => {
+            match topic {
+                $(<$message as Message>::TOPIC => Ok(Box::new(observer.listen::<$message>()?)),)+
+            }
+        };
+    }
+    messages::each_message!(by_topic)
 }

@@ -2,7 +2,6 @@
 
 mod cycles;
 mod further;
-mod headers;
 mod kept_steps;
 mod plane;
 mod present;
@@ -14,8 +13,7 @@ pub(crate) use present::Present;
 use crate::report::ControlFigures;
 use crate::steps::{Drive, DriveStep, PowertrainStep};
 use bytemuck::Zeroable;
-use further::{Further, Truths};
-use headers::{Headers, listen_to};
+use further::{Further, Headers, Truths, listen_to};
 use kept_steps::{KeptSteps, MOST_IN_REALTIME};
 use messages::{
     AllVehicles, Brake, BrakeState, Command, Diagnostics, EgoTruth, Header, Heartbeat, Message,

@@ -1,15 +1,13 @@
 //! `summary.json`: stable names for the measurements of a run. A figure that does not apply is null.
 
-mod aebs;
 mod following;
 mod law;
 pub mod targets;
 mod topics;
 mod trip;
 
-pub use aebs::{Aebs, braked};
 pub use following::Following;
-pub use law::LawAccount;
+pub use law::{Aebs, LawAccount, braked};
 pub use topics::{Host, TopicCounts};
 pub use trip::{Passing, Trip};
 

@@ -1,7 +1,6 @@
 //! One process of a service, from its start until its exit status is taken.
 
-use crate::member::silence::{Meaning, Silence};
-use crate::member::starvation::Share;
+use crate::member::silence::{Meaning, Share, Silence};
 use crate::start::processes::Process;
 use drive::{Exit, StandbyCost};
 use runtime::{Group, Progress, ServiceCounts};

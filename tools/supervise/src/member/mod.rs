@@ -3,12 +3,11 @@
 pub mod attached;
 pub mod life;
 pub mod silence;
-pub mod starvation;
 
 use crate::Error;
 use crate::events::Event as GroupEvent;
 use crate::member::attached::Attached;
-use crate::member::starvation::Share;
+use crate::member::silence::Share;
 use crate::root::RunRoot;
 use crate::start::processes::Process;
 use crate::succession::{Event, Phase, Standby, Step, Succession};

@@ -3,7 +3,7 @@
 //! The janitor removes a run whose launcher was killed, and the next run removes what a dead janitor left. This
 //! module names what is there in between.
 
-use crate::root::room::SHARED_MEMORY;
+use crate::root::SHARED_MEMORY;
 use crate::root::{base, owner_is_gone, prefix_of};
 use std::collections::BTreeMap;
 use std::os::unix::fs::MetadataExt;

@@ -12,7 +12,7 @@ use crate::member::{Member, life};
 use crate::recording::{Listener, law_names};
 use crate::refusal::{check_processes, check_recorder};
 use crate::root::RunRoot;
-use crate::root::room::check_room;
+use crate::root::check_room;
 use crate::start::attendant::BRIDGE;
 use crate::start::live_file::LiveFile;
 use crate::start::processes::{Janitor, Launch, for_services};

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::events::{Event, ServiceProcess};
 use crate::member::Member;
-use crate::member::starvation::Share;
+use crate::member::silence::Share;
 use crate::root::RunRoot;
 use crate::start::processes::{Janitor, Launch};
 use crate::succession::Phase;
