@@ -47,12 +47,6 @@ pub struct Taps {
     _tap: Tap,
 }
 
-impl std::fmt::Debug for Taps {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Taps").finish_non_exhaustive()
-    }
-}
-
 trait Drain {
     fn drain_into(&self, into: &mut Batch) -> Result<(), RuntimeError>;
 }

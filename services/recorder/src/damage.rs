@@ -6,31 +6,15 @@ use std::path::PathBuf;
 /// Reason why a file cannot be read as a recording at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// It cannot be opened.
     #[error("cannot read {}: {reason}", path.display())]
-    File {
-        path: PathBuf,
-        /// Cause by the system.
-        reason: std::io::Error,
-    },
-    /// It is not a recording of timegap.
+    File { path: PathBuf, reason: std::io::Error },
     #[error("{} is not a recording of timegap: {reason}", path.display())]
-    Foreign {
-        path: PathBuf,
-        /// The missing part.
-        reason: String,
-    },
-    /// Its messages have other layouts than this program's.
+    Foreign { path: PathBuf, reason: String },
     #[error(
         "{} was recorded by {} with other messages (`{topic}` differs): read it with that \
          version", path.display(), program.escape_debug()
     )]
-    Layout {
-        path: PathBuf,
-        program: String,
-        /// A topic whose schema differs.
-        topic: String,
-    },
+    Layout { path: PathBuf, program: String, topic: String },
 }
 
 /// A part of a recording that could not be read. `timegap recording recover` writes a file without it.

@@ -38,10 +38,10 @@ impl Encoder {
             type_name: topic.layout().type_name,
             definition: ros2_definition_of(topic.layout(), &metadata.law),
         });
-        let drawn = scene::TOPICS.iter().map(|topic| Channel {
-            topic: topic.name,
-            type_name: topic.type_name,
-            definition: topic.definition.to_owned(),
+        let drawn = scene::TOPICS.into_iter().map(|(topic, type_name, definition)| Channel {
+            topic,
+            type_name,
+            definition: definition.to_owned(),
         });
         ours.chain(drawn).collect()
     }

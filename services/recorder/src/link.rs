@@ -44,8 +44,8 @@ impl Start {
         let now_ns = i64::try_from(since_1970.as_nanos()).unwrap_or(0);
         let started_unix_ns = now_ns - (monotonic_ns() - self.start_ns);
         let (scheduling, law) = (self.scheduling.clone(), self.law.clone());
-        Metadata::new(scenario, mode, started_unix_ns, scheduling, law)
-            .with_programs(self.programs.clone())
+        let metadata = Metadata::new(scenario, mode, started_unix_ns, scheduling, law);
+        Metadata { programs: self.programs.clone(), ..metadata }
     }
 }
 

@@ -4,6 +4,7 @@ use messages::LAYOUT_VERSION;
 use messages::names::ENUMERATIONS;
 use runtime::{Mode, Program, scheduling::Granted};
 use scenario::Scenario;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -111,11 +112,6 @@ impl Metadata {
         }
     }
 
-    /// The same with the programs of the user's that take part.
-    pub fn with_programs(self, programs: BTreeMap<String, Program>) -> Self {
-        Self { programs, ..self }
-    }
-
     pub(crate) fn to_record(&self) -> mcap::records::Metadata {
         let mut map: BTreeMap<String, String> = [
             ("program", self.program.clone()),
@@ -144,28 +140,14 @@ impl Metadata {
             let json = serde_json::to_string(&names).expect("plain data");
             map.insert(format!("{NAMES}{}", enumeration.name), json);
         }
-        for (service, granted) in &self.scheduling {
-            let json = serde_json::to_string(granted).expect("plain data");
-            map.insert(format!("{SCHEDULING}{service}"), json);
-        }
-        for (service, program) in &self.programs {
-            let json = serde_json::to_string(program).expect("plain data");
-            map.insert(format!("{PROGRAM}{service}"), json);
-        }
+        map.extend(under(SCHEDULING, &self.scheduling));
+        map.extend(under(PROGRAM, &self.programs));
         mcap::records::Metadata { name: RUN.into(), metadata: map }
     }
 
     /// Reads it from a record of the file; `None` if it is another's, or not whole.
     pub(crate) fn of_record(name: &str, map: &BTreeMap<String, String>) -> Option<Self> {
         let text = |key: &str| map.get(key).cloned();
-        let scheduling = map.iter().filter_map(|(key, value)| {
-            let service = key.strip_prefix(SCHEDULING)?;
-            Some((service.to_owned(), serde_json::from_str(value).ok()?))
-        });
-        let programs = map.iter().filter_map(|(key, value)| {
-            let service = key.strip_prefix(PROGRAM)?;
-            Some((service.to_owned(), serde_json::from_str(value).ok()?))
-        });
         (name == RUN).then_some(())?;
         let host = || {
             Some(Host {
@@ -188,10 +170,28 @@ impl Metadata {
             epoch_ns: text(EPOCH).map_or(Some(0), |ns| ns.parse().ok())?,
             host: host(),
             law: text(LAW).and_then(|law| serde_json::from_str(&law).ok()).unwrap_or_default(),
-            scheduling: scheduling.collect(),
-            programs: programs.collect(),
+            scheduling: read_under(SCHEDULING, map),
+            programs: read_under(PROGRAM, map),
         })
     }
+}
+
+/// Values of services in a record, under keys that begin with `prefix`.
+fn under<T: Serialize>(prefix: &str, all: &BTreeMap<String, T>) -> BTreeMap<String, String> {
+    let json = |value| serde_json::to_string(value).expect("plain data");
+    all.iter().map(|(service, value)| (format!("{prefix}{service}"), json(value))).collect()
+}
+
+/// Reads what [`under`] wrote; values that this program does not know are left out.
+fn read_under<T: DeserializeOwned>(
+    prefix: &str,
+    map: &BTreeMap<String, String>,
+) -> BTreeMap<String, T> {
+    let values = map.iter().filter_map(|(key, value)| {
+        let service = key.strip_prefix(prefix)?;
+        Some((service.to_owned(), serde_json::from_str(value).ok()?))
+    });
+    values.collect()
 }
 
 const SCHEDULING: &str = "scheduling.";

@@ -13,7 +13,8 @@ const LONGEST_RECORD: u64 = 16 << 20;
 const FOOTER_LENGTH: u64 = 20;
 /// Bytes of a summary that are checked at once.
 const BLOCK: u64 = 64 << 10;
-#[derive(Debug, Default)]
+
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Outline {
     pub(crate) metadata: Option<Metadata>,
     pub(crate) tally: Option<Tally>,
@@ -28,40 +29,32 @@ pub(crate) struct Outline {
     last: u64,
 }
 
-/// Content of the summary behind the messages, used once its checksum is known to be right.
-#[derive(Debug, Default)]
-struct Summary {
-    /// First byte behind the data section.
-    from: u64,
-    definitions: Definitions,
-    statistics: Option<Statistics>,
-    damage: Vec<Damage>,
-}
-
 impl Outline {
     /// Goes through `source`, whose magic bytes were checked.
     pub(crate) fn of(source: &Source) -> io::Result<Self> {
         let mut outline = Self::default();
         let mut window = Window::of_heads(source);
         let mut at = MAGIC.len() as u64;
-        let mut summary: Option<Summary> = None;
+        // The content of the summary behind the messages, and its first byte.
+        let mut summary: Option<(u64, Self)> = None;
         let mut footed = false;
         while let Some(spot) = window.spot(at)? {
             at = spot.end();
-            match &mut summary {
-                None if spot.opcode == opcode::DATA_END => {
-                    summary = Some(Summary { from: at, ..Summary::default() });
-                }
-                None => {
+            match (&mut summary, spot.opcode) {
+                (None, opcode::DATA_END) => summary = Some((at, Self::default())),
+                (None, _) => {
                     outline.data(&mut window, spot)?;
                     outline.end = at;
                 }
-                Some(summary) if spot.opcode == opcode::FOOTER => {
+                (Some((from, summary)), opcode::FOOTER) => {
                     footed = true;
-                    outline.take_summary(&mut window, std::mem::take(summary), spot)?;
+                    outline.take_summary(&mut window, std::mem::take(summary), *from, spot)?;
                     break;
                 }
-                Some(summary) => summary.take(&mut window, spot)?,
+                (Some((_, summary)), opcode::CHANNEL | opcode::SCHEMA | opcode::STATISTICS) => {
+                    summary.small(&mut window, spot)?;
+                }
+                _ => {}
             }
         }
         let left = source.length() - at;
@@ -97,11 +90,12 @@ impl Outline {
     fn take_summary(
         &mut self,
         window: &mut Window,
-        summary: Summary,
+        summary: Self,
+        from: u64,
         footer: Spot,
     ) -> io::Result<()> {
-        if !summary.is_intact(window, footer)? {
-            self.damage.push(Damage::Summary { bytes: footer.end() - summary.from });
+        if !is_intact(window, from, footer)? {
+            self.damage.push(Damage::Summary { bytes: footer.end() - from });
             return Ok(());
         }
         self.definitions.extend(summary.definitions);
@@ -110,82 +104,52 @@ impl Outline {
         Ok(())
     }
 
-    /// Takes a record of the data section that is not a message.
+    /// Takes a record that is neither a chunk nor a message.
     fn small(&mut self, window: &mut Window, spot: Spot) -> io::Result<()> {
-        match small_body(window, spot)? {
-            Ok(body) if self.take(spot.opcode, body).is_err() => self.damage.push(misfit(spot)),
-            Ok(_) => {}
-            Err(damage) => self.damage.push(damage),
+        let damage = |reason| Damage::Chunk { offset: spot.at, bytes: spot.length, reason };
+        if spot.length > LONGEST_RECORD {
+            let reason = format!("a record of its kind may have {LONGEST_RECORD} bytes");
+            self.damage.push(damage(reason));
+            return Ok(());
+        }
+        let length = usize::try_from(spot.length).expect("checked above");
+        if self.take(spot.opcode, window.bytes(spot.body(), length)?).is_err() {
+            self.damage.push(damage("its lengths do not fit".into()));
         }
         Ok(())
     }
 
     fn take(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
-        if opcode == opcode::METADATA {
-            let (name, map) = format::metadata(body)?;
-            self.metadata = self.metadata.take().or_else(|| Metadata::of_record(name, &map));
-            self.tally = self.tally.take().or_else(|| Tally::of_record(name, &map));
-            return Ok(());
-        }
-        self.definitions.take(opcode, body)
-    }
-}
-
-impl Summary {
-    fn take(&mut self, window: &mut Window, spot: Spot) -> io::Result<()> {
-        match spot.opcode {
-            opcode::CHANNEL | opcode::SCHEMA | opcode::STATISTICS => {}
-            _ => return Ok(()),
-        }
-        let taken = match small_body(window, spot)? {
-            Ok(body) if spot.opcode == opcode::STATISTICS => {
-                format::statistics(body).map(|statistics| self.statistics = Some(statistics))
+        match opcode {
+            opcode::METADATA => {
+                let (name, map) = format::metadata(body)?;
+                self.metadata = self.metadata.take().or_else(|| Metadata::of_record(name, &map));
+                self.tally = self.tally.take().or_else(|| Tally::of_record(name, &map));
             }
-            Ok(body) => self.definitions.take(spot.opcode, body),
-            Err(damage) => {
-                self.damage.push(damage);
-                Ok(())
-            }
-        };
-        if taken.is_err() {
-            self.damage.push(misfit(spot));
+            opcode::STATISTICS => self.statistics = Some(format::statistics(body)?),
+            _ => self.definitions.take(opcode, body)?,
         }
         Ok(())
     }
-
-    /// Compares the checksum in the footer with the summary's bytes; a writer may leave it out (0).
-    fn is_intact(&self, window: &mut Window, footer: Spot) -> io::Result<bool> {
-        if footer.length != FOOTER_LENGTH {
-            return Ok(false);
-        }
-        let body = window.bytes(footer.body(), FOOTER_LENGTH as usize)?;
-        let expected = u32::from_le_bytes(body[16..].try_into().expect("four bytes"));
-        if expected == 0 {
-            return Ok(true);
-        }
-        // It covers the footer up to itself.
-        let (mut at, to) = (self.from, footer.end() - 4);
-        let mut checksum = crc32fast::Hasher::new();
-        while at < to {
-            let count = (to - at).min(BLOCK);
-            checksum.update(window.bytes(at, count as usize)?);
-            at += count;
-        }
-        Ok(checksum.finalize() == expected)
-    }
 }
 
-/// Body of a record that is read whole.
-fn small_body(window: &mut Window, spot: Spot) -> io::Result<Result<&[u8], Damage>> {
-    if spot.length > LONGEST_RECORD {
-        let reason = format!("a record of its kind may have {LONGEST_RECORD} bytes");
-        return Ok(Err(Damage::Chunk { offset: spot.at, bytes: spot.length, reason }));
+/// Compares the checksum in the footer with the summary's bytes; a writer may leave it out (0).
+fn is_intact(window: &mut Window, from: u64, footer: Spot) -> io::Result<bool> {
+    if footer.length != FOOTER_LENGTH {
+        return Ok(false);
     }
-    let length = usize::try_from(spot.length).expect("checked above");
-    window.bytes(spot.body(), length).map(Ok)
-}
-
-fn misfit(spot: Spot) -> Damage {
-    let reason = "its lengths do not fit".into();
-    Damage::Chunk { offset: spot.at, bytes: spot.length, reason }
+    let body = window.bytes(footer.body(), FOOTER_LENGTH as usize)?;
+    let expected = u32::from_le_bytes(body[16..].try_into().expect("four bytes"));
+    if expected == 0 {
+        return Ok(true);
+    }
+    // It covers the footer up to itself.
+    let (mut at, to) = (from, footer.end() - 4);
+    let mut checksum = crc32fast::Hasher::new();
+    while at < to {
+        let count = (to - at).min(BLOCK);
+        checksum.update(window.bytes(at, count as usize)?);
+        at += count;
+    }
+    Ok(checksum.finalize() == expected)
 }

@@ -1,13 +1,11 @@
 //! Reading a recording, also one that was cut off.
 
 use crate::counter::Counter;
-use crate::definitions::Definitions;
 use crate::outline::Outline;
-use crate::record::Timed;
-use crate::records::Records;
+use crate::records::{Records, Timed};
 use crate::source::{Source, Window};
 use crate::{Damage, FILE, Metadata, ReadError, Tally, TopicTally};
-use bags::mcap::{MAGIC, Statistics};
+use bags::mcap::MAGIC;
 use messages::{Message, TOPICS, Topic};
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -36,12 +34,7 @@ pub struct Recording {
     path: PathBuf,
     source: Source,
     metadata: Metadata,
-    tally: Option<Tally>,
-    statistics: Option<Statistics>,
-    definitions: Definitions,
-    /// End of the data section.
-    end: u64,
-    damage: Vec<Damage>,
+    outline: Outline,
 }
 
 impl Recording {
@@ -82,33 +75,25 @@ impl Recording {
         if Window::new(&source).bytes(0, MAGIC.len()).map_err(failed)? != MAGIC {
             return Err(foreign("it is not an MCAP file"));
         }
-        let outline = Outline::of(&source).map_err(failed)?;
-        let metadata = outline.metadata.ok_or_else(|| foreign("it does not say of which run"))?;
+        let mut outline = Outline::of(&source).map_err(failed)?;
+        let metadata = outline.metadata.take();
+        let metadata = metadata.ok_or_else(|| foreign("it does not say of which run"))?;
         if let Some(reason) = outline.foreign {
             return Err(foreign(reason));
         }
-        let mut recording = Self {
-            path,
-            source,
-            metadata,
-            tally: outline.tally,
-            statistics: outline.statistics,
-            definitions: outline.definitions,
-            end: outline.end,
-            damage: outline.damage,
-        };
-        if recording.definitions.is_empty() {
+        let mut recording = Self { path, source, metadata, outline };
+        if recording.outline.definitions.is_empty() {
             // No summary repeats the topics: they come before the first message.
             let mut records = recording.records();
             records.next();
-            recording.definitions = records.into_definitions();
+            recording.outline.definitions = records.into_definitions();
         }
-        if let Some(topic) = recording.definitions.other_layout() {
+        if let Some(topic) = recording.outline.definitions.other_layout() {
             let topic = topic.to_owned();
             let Self { path, metadata, .. } = recording;
             return Err(ReadError::Layout { path, program: metadata.program, topic });
         }
-        if let Some((name, topic)) = recording.definitions.renamed().next() {
+        if let Some((name, topic)) = recording.outline.definitions.renamed().next() {
             let (name, ours) = (name.escape_debug(), topic.name());
             return Err(foreign(&format!("the type of its `{name}` is that of `{ours}`")));
         }
@@ -130,12 +115,12 @@ impl Recording {
 
     /// Counts of the recorder; `None` if it never ended the recording.
     pub fn tally(&self) -> Option<&Tally> {
-        self.tally.as_ref()
+        self.outline.tally.as_ref()
     }
 
     /// Damage of the file's outline. Damage inside its chunks shows when the messages are read ([`Records::damage`]).
     pub fn damage(&self) -> &[Damage] {
-        &self.damage
+        &self.outline.damage
     }
 
     /// All messages, in the order of their log times.
@@ -145,8 +130,8 @@ impl Recording {
 
     /// All messages of `topics`, in the order of their log times.
     pub fn records_of(&self, topics: &[Topic]) -> Records {
-        let data = MAGIC.len() as u64..self.end;
-        Records::new(&self.source, self.metadata.epoch_ns, &self.definitions, data, topics)
+        let data = MAGIC.len() as u64..self.outline.end;
+        Records::new(&self.source, self.metadata.epoch_ns, &self.outline.definitions, data, topics)
     }
 
     pub fn messages<T: Message>(&self) -> impl Iterator<Item = Timed<T>> + use<T> {
@@ -158,8 +143,8 @@ impl Recording {
 
     /// The file's own statistics, without reading any message; `None` in a file without an end or without statistics.
     pub fn statistics(&self) -> Option<Survey> {
-        let (tally, statistics) = (self.tally.as_ref()?, self.statistics.as_ref()?);
-        let counts = self.definitions.counts(&statistics.channels)?;
+        let (tally, statistics) = (self.outline.tally.as_ref()?, self.outline.statistics.as_ref()?);
+        let counts = self.outline.definitions.counts(&statistics.channels)?;
         let topics = counts.into_iter().map(|(topic, messages)| {
             let counted = tally.topics.get(topic.name()).copied().unwrap_or_default();
             // Others may have taken messages out of the file since.
@@ -173,14 +158,14 @@ impl Recording {
         Some(Survey {
             tally: Tally { topics: topics.collect(), incarnations: tally.incarnations.clone() },
             end_ns,
-            damage: self.damage.clone(),
+            damage: self.outline.damage.clone(),
         })
     }
 
     /// All topics of the file's own statistics, those for viewers among them. Empty for a file without statistics.
     pub fn topics(&self) -> Vec<TopicSummary> {
-        let Some(statistics) = &self.statistics else { return Vec::new() };
-        let listed = self.definitions.listed();
+        let Some(statistics) = &self.outline.statistics else { return Vec::new() };
+        let listed = self.outline.definitions.listed();
         listed
             .map(|(channel, name, type_name)| TopicSummary {
                 name: name.to_owned(),
@@ -192,7 +177,7 @@ impl Recording {
 
     /// Earliest and latest log time by the file's own statistics, ns since 1970; zeros in a file without.
     pub fn log_times_ns(&self) -> [u64; 2] {
-        self.statistics.as_ref().map_or([0; 2], |s| [s.start, s.end.max(s.start)])
+        self.outline.statistics.as_ref().map_or([0; 2], |s| [s.start, s.end.max(s.start)])
     }
 
     /// Reads every message: what is there, gaps in the sequence numbers, and what cannot be read.
@@ -204,7 +189,7 @@ impl Recording {
             counter.count(record.topic, record.bytes());
             end_ns = end_ns.max(record.log_time_ns);
         }
-        let damage = [&self.damage[..], records.damage()].concat();
+        let damage = [&self.outline.damage[..], records.damage()].concat();
         Survey { tally: counter.tally(), end_ns, damage }
     }
 }

@@ -1,25 +1,16 @@
 //! Making a broken recording whole.
 
 use crate::counter::Counter;
-use crate::{Damage, Metadata, Recording, Tally, Writer};
+use crate::{Metadata, Recording, Survey, Writer};
 use mcap::McapError;
 use std::io::{self, Seek, Write};
 
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Recovered {
-    /// Content of the new file, and the gaps between its first and last messages.
-    pub tally: Tally,
-    /// Latest log time of any message, ns of run time.
-    pub end_ns: i64,
-    /// Damage of the old file.
-    pub damage: Vec<Damage>,
-}
-
-/// Writes what is readable of `recording` to `file` as a whole recording.
+/// Writes what is readable of `recording` to `file` as a whole recording. Returns the content of the new file, and the
+/// damage of the old one.
 ///
 /// # Errors
 /// If `file` cannot be written.
-pub fn recover<W: Write + Seek>(recording: &Recording, file: W) -> io::Result<Recovered> {
+pub fn recover<W: Write + Seek>(recording: &Recording, file: W) -> io::Result<Survey> {
     rewrite(recording, file).map_err(|error| match error {
         // The system's own reason: a full disk differs from a bad file.
         McapError::Io(reason) => reason,
@@ -27,7 +18,7 @@ pub fn recover<W: Write + Seek>(recording: &Recording, file: W) -> io::Result<Re
     })
 }
 
-fn rewrite<W: Write + Seek>(recording: &Recording, file: W) -> Result<Recovered, McapError> {
+fn rewrite<W: Write + Seek>(recording: &Recording, file: W) -> Result<Survey, McapError> {
     let metadata = recording.metadata();
     // An older recording gets today's log times.
     let metadata = Metadata { epoch_ns: metadata.started_unix_ns, ..metadata.clone() };
@@ -43,5 +34,5 @@ fn rewrite<W: Write + Seek>(recording: &Recording, file: W) -> Result<Recovered,
     let tally = counter.tally();
     writer.finish(&tally)?;
     let damage = [recording.damage(), records.damage()].concat();
-    Ok(Recovered { tally, end_ns, damage })
+    Ok(Survey { tally, end_ns, damage })
 }

@@ -5,10 +5,10 @@ use crate::Recording;
 use crate::link::{orders, say};
 use crate::takes::{INPUTS, Take, inputs};
 use messages::{
-    Course, Curves, Diagnostics, LateralMotion, Map, Odometry, Origin, Powertrain, Preview,
-    RadarTracks, Spat, Topic,
+    Course, Curves, Diagnostics, LateralMotion, Map, Message, Odometry, Origin, Powertrain,
+    Preview, RadarTracks, Spat,
 };
-use runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
+use runtime::{Group, Player, RuntimeError, Tap, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::io;
@@ -95,11 +95,11 @@ fn play(root: &Path, file: &Path, take: &Take) -> Result<(), PlayError> {
             }
         }
         let used = inputs(&cycle.diagnostics.header.origins).into_iter().zip(&mut last);
-        for ((topic, sample), (origin, last)) in INPUTS.into_iter().zip(&cycle.samples).zip(used) {
+        for ((port, sample), (origin, last)) in ports.all.iter().zip(&cycle.samples).zip(used) {
             if let Some(sample) = sample
                 && origin != *last
             {
-                ports.send(topic, sample)?;
+                port(sample)?;
                 *last = origin;
             }
         }
@@ -123,49 +123,33 @@ fn taken(answers: &Tapped<Diagnostics>) -> Result<usize, PlayError> {
     Ok(count)
 }
 
-/// The sending ends of the controller's inputs.
+/// Sends the bytes of a message.
+type Port = Box<dyn Fn(&[u8]) -> Result<(), RuntimeError>>;
+
+/// The sending ends of the controller's inputs, in the order of [`INPUTS`].
 struct Ports {
-    radar: Played<RadarTracks>,
-    odometry: Played<Odometry>,
-    spat: Played<Spat>,
-    map: Played<Map>,
-    powertrain: Played<Powertrain>,
-    preview: Played<Preview>,
-    course: Played<Course>,
-    curves: Played<Curves>,
-    lateral: Played<LateralMotion>,
+    all: [Port; INPUTS.len()],
     // Ports before the node that owns them.
     _player: Player,
 }
 
 impl Ports {
     fn open(player: Player) -> Result<Self, RuntimeError> {
-        Ok(Self {
-            radar: player.on()?,
-            odometry: player.on()?,
-            spat: player.on()?,
-            map: player.on()?,
-            powertrain: player.on()?,
-            preview: player.on()?,
-            course: player.on()?,
-            curves: player.on()?,
-            lateral: player.on()?,
-            _player: player,
-        })
-    }
-
-    fn send(&self, topic: Topic, message: &[u8]) -> Result<(), RuntimeError> {
-        match topic {
-            Topic::RadarTracks => self.radar.send(message),
-            Topic::Odometry => self.odometry.send(message),
-            Topic::Spat => self.spat.send(message),
-            Topic::Map => self.map.send(message),
-            Topic::Powertrain => self.powertrain.send(message),
-            Topic::Preview => self.preview.send(message),
-            Topic::Course => self.course.send(message),
-            Topic::Curves => self.curves.send(message),
-            Topic::LateralMotion => self.lateral.send(message),
-            _ => unreachable!("`INPUTS` has no other"),
+        fn port<T: Message>(player: &Player) -> Result<Port, RuntimeError> {
+            let port = player.on::<T>()?;
+            Ok(Box::new(move |message| port.send(message)))
         }
+        let all = [
+            port::<RadarTracks>(&player)?,
+            port::<Odometry>(&player)?,
+            port::<Spat>(&player)?,
+            port::<Map>(&player)?,
+            port::<Powertrain>(&player)?,
+            port::<Preview>(&player)?,
+            port::<Course>(&player)?,
+            port::<Curves>(&player)?,
+            port::<LateralMotion>(&player)?,
+        ];
+        Ok(Self { all, _player: player })
     }
 }

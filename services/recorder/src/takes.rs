@@ -100,7 +100,7 @@ impl Recording {
     /// Work of each process of the controller, in their order.
     pub fn takes(&self) -> Vec<Take> {
         let mut takes: BTreeMap<u32, Take> = BTreeMap::new();
-        for cycle in Cycles::of(self.records_of(&RECORDED)) {
+        for cycle in Cycles::of(self) {
             let incarnation = cycle.diagnostics.header.incarnation;
             let take =
                 takes.entry(incarnation).or_insert_with(|| Take { incarnation, ..Take::default() });
@@ -118,26 +118,11 @@ impl Recording {
     /// The cycles of `take`, in their order.
     pub fn cycles(&self, take: &Take) -> impl Iterator<Item = Cycle> + use<> {
         let (incarnation, count) = (take.incarnation, take.cycles);
-        Cycles::of(self.records_of(&RECORDED))
+        Cycles::of(self)
             .filter(move |cycle| cycle.diagnostics.header.incarnation == incarnation)
             .take(usize::try_from(count).unwrap_or(usize::MAX))
     }
 }
-
-/// Parts of a cycle.
-const RECORDED: [Topic; INPUTS.len() + 2] = [
-    INPUTS[0],
-    INPUTS[1],
-    INPUTS[2],
-    INPUTS[3],
-    INPUTS[4],
-    INPUTS[5],
-    INPUTS[6],
-    INPUTS[7],
-    INPUTS[8],
-    Topic::Command,
-    Topic::Diagnostics,
-];
 
 /// The cycles of all processes of the controller, in the order of their diagnostics.
 struct Cycles {
@@ -149,9 +134,10 @@ struct Cycles {
 }
 
 impl Cycles {
-    fn of(records: Records) -> Self {
+    fn of(recording: &Recording) -> Self {
+        let topics = [&INPUTS[..], &[Topic::Command, Topic::Diagnostics]].concat();
         Self {
-            records,
+            records: recording.records_of(&topics),
             samples: Default::default(),
             commands: VecDeque::new(),
             waiting: VecDeque::new(),

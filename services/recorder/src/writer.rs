@@ -24,12 +24,6 @@ pub struct Writer<W: Write + Seek> {
     encoder: Encoder,
 }
 
-impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Writer").field("channels", &self.channels).finish_non_exhaustive()
-    }
-}
-
 impl<W: Write + Seek> Writer<W> {
     /// Begins a recording: schemas, channels and `metadata`. Beside the messages it will hold the road
     /// as viewers draw it ([`crate::scene`]).

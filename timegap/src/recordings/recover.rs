@@ -2,7 +2,7 @@
 
 use super::{count, expect_another_file, is_being_recorded, open};
 use clap::Args;
-use recorder::{Recording, Recovered};
+use recorder::{Recording, Survey};
 use report::print;
 use report::results::Document;
 use serde_json::json;
@@ -89,7 +89,7 @@ fn rewrite(broken: &Recording, out: Option<&Path>) -> Result<(PathBuf, recorder:
     Ok((place.to_owned(), recovered.tally))
 }
 
-fn write(broken: &Recording, part: &Path) -> std::io::Result<Recovered> {
+fn write(broken: &Recording, part: &Path) -> std::io::Result<Survey> {
     let file = File::create(part)?;
     let recovered = recorder::recover(broken, &file)?;
     file.sync_all()?;

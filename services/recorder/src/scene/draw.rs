@@ -19,14 +19,14 @@ impl Color {
 }
 
 /// `Marker.type` and `Marker.action` of `visualization_msgs`.
-mod kind {
-    pub(super) const CUBE: i32 = 1;
-    pub(super) const SPHERE: i32 = 2;
-    pub(super) const LINE_STRIP: i32 = 4;
-    pub(super) const LINE_LIST: i32 = 5;
-    pub(super) const TEXT: i32 = 9;
-    pub(super) const ADD: i32 = 0;
-    pub(super) const DELETE_ALL: i32 = 3;
+pub(super) mod kind {
+    pub(crate) const CUBE: i32 = 1;
+    pub(crate) const SPHERE: i32 = 2;
+    pub(crate) const LINE_STRIP: i32 = 4;
+    pub(crate) const LINE_LIST: i32 = 5;
+    pub(crate) const TEXT: i32 = 9;
+    pub(crate) const ADD: i32 = 0;
+    pub(crate) const DELETE_ALL: i32 = 3;
 }
 
 /// A marker in the frame `road`.
@@ -50,55 +50,28 @@ impl Marker {
         Self { action: kind::DELETE_ALL, ..Self::new("", kind::CUBE, [0.0; 3], [0.0; 3], color) }
     }
 
-    pub(super) fn cube(
-        namespace: &'static str,
-        middle_m: [f64; 3],
-        size_m: [f64; 3],
-        color: Color,
-    ) -> Self {
-        Self::new(namespace, kind::CUBE, middle_m, size_m, color)
-    }
-
     /// This marker turned about the vertical axis.
     pub(super) fn turned(self, heading_rad: f64) -> Self {
         Self { heading_rad, ..self }
     }
 
-    pub(super) fn sphere(
-        namespace: &'static str,
-        middle_m: [f64; 3],
-        diameter_m: f64,
-        color: Color,
-    ) -> Self {
-        Self::new(namespace, kind::SPHERE, middle_m, [diameter_m; 3], color)
-    }
-
-    /// Lines between the points of each pair.
+    /// Lines between the points of each pair, or a line through them all.
     pub(super) fn lines(
         namespace: &'static str,
+        kind: i32,
         width_m: f64,
         points_m: Vec<[f64; 3]>,
         color: Color,
     ) -> Self {
         let scale_m = [width_m, 0.0, 0.0];
-        Self { points_m, ..Self::new(namespace, kind::LINE_LIST, [0.0; 3], scale_m, color) }
-    }
-
-    /// A line through the points.
-    pub(super) fn strip(
-        namespace: &'static str,
-        width_m: f64,
-        points_m: Vec<[f64; 3]>,
-        color: Color,
-    ) -> Self {
-        Self { kind: kind::LINE_STRIP, ..Self::lines(namespace, width_m, points_m, color) }
+        Self { points_m, ..Self::new(namespace, kind, [0.0; 3], scale_m, color) }
     }
 
     pub(super) fn text(middle_m: [f64; 3], text: String) -> Self {
         Self { text, ..Self::new("text", kind::TEXT, middle_m, [0.0, 0.0, 1.0], Color::WHITE) }
     }
 
-    fn new(
+    pub(super) fn new(
         namespace: &'static str,
         kind: i32,
         position_m: [f64; 3],

@@ -19,7 +19,7 @@ mod others;
 
 use crate::Metadata;
 use crate::cdr::Cdr;
-use draw::{Color, Marker, Points};
+use draw::{Color, Marker, Points, kind};
 use ground::{Ground, LANE_WIDTH_M, Place};
 use messages::{
     EgoPose, MorePoses, MoreVehicles, Odometry, PhaseState, RadarDetections, RadarTracks,
@@ -39,34 +39,12 @@ const LIGHT_HEIGHT_M: f64 = 4.5;
 const BEHIND_M: f64 = 60.0;
 const AHEAD_M: f64 = 240.0;
 
-#[derive(Debug)]
-pub(crate) struct SceneTopic {
-    pub(crate) name: &'static str,
-    pub(crate) type_name: &'static str,
-    pub(crate) definition: &'static str,
-}
-
-pub(crate) const TOPICS: [SceneTopic; 4] = [
-    SceneTopic {
-        name: "/tf",
-        type_name: "tf2_msgs/msg/TFMessage",
-        definition: definitions::TRANSFORMS,
-    },
-    SceneTopic {
-        name: "/scene/markers",
-        type_name: "visualization_msgs/msg/MarkerArray",
-        definition: definitions::MARKERS,
-    },
-    SceneTopic {
-        name: "/scene/outlines",
-        type_name: "sensor_msgs/msg/PointCloud2",
-        definition: definitions::POINTS,
-    },
-    SceneTopic {
-        name: "/radar/points",
-        type_name: "sensor_msgs/msg/PointCloud2",
-        definition: definitions::POINTS,
-    },
+/// Name, type and definition of each topic.
+pub(crate) const TOPICS: [(&str, &str, &str); 4] = [
+    ("/tf", "tf2_msgs/msg/TFMessage", definitions::TRANSFORMS),
+    ("/scene/markers", "visualization_msgs/msg/MarkerArray", definitions::MARKERS),
+    ("/scene/outlines", "sensor_msgs/msg/PointCloud2", definitions::POINTS),
+    ("/radar/points", "sensor_msgs/msg/PointCloud2", definitions::POINTS),
 ];
 
 /// A message for viewers.
@@ -282,7 +260,7 @@ impl Scene {
         for body in bodies {
             let middle = body.point(0.5 * body.length_m, 0.5 * VEHICLE_HEIGHT_M);
             let size = [body.length_m, body.width_m, VEHICLE_HEIGHT_M];
-            let cube = Marker::cube("vehicles", middle, size, body.color);
+            let cube = Marker::new("vehicles", kind::CUBE, middle, size, body.color);
             markers.push(cube.turned(body.rear.heading_rad));
         }
         let [x, y] = front.point(-0.5 * self.ego_length_m, 0.0);
@@ -291,7 +269,7 @@ impl Scene {
         if let Some([x, y]) = self.target(front) {
             let [from_x, from_y] = front.at_m;
             let line = vec![[from_x, from_y, 0.6], [x, y, 0.6]];
-            markers.push(Marker::lines("target", 0.25, line, Color::BLUE));
+            markers.push(Marker::lines("target", kind::LINE_LIST, 0.25, line, Color::BLUE));
         }
         for (at_m, color, left_s) in lines {
             markers.extend(self.stop_line(*at_m, *color, *left_s));
@@ -305,13 +283,13 @@ impl Scene {
         if self.ground.has_plan() {
             let strip = |line: Vec<[f64; 2]>| {
                 let points = line.into_iter().map(|[x, y]| [x, y, 0.0]).collect();
-                Marker::strip("lane", 0.12, points, Color::GREY)
+                Marker::lines("lane", kind::LINE_STRIP, 0.12, points, Color::GREY)
             };
             return self.ground.lines([from_m, to_m]).into_iter().map(strip).collect();
         }
         let sides_m = [-0.5, 0.5].map(|side| side * LANE_WIDTH_M);
         let ends = sides_m.into_iter().flat_map(|y| [[from_m, y, 0.0], [to_m, y, 0.0]]).collect();
-        vec![Marker::lines("lane", 0.12, ends, Color::GREY)]
+        vec![Marker::lines("lane", kind::LINE_LIST, 0.12, ends, Color::GREY)]
     }
 
     fn target(&self, front: &Place) -> Option<[f64; 2]> {
@@ -332,9 +310,10 @@ impl Scene {
         let place = self.ground.place(at_m, 0.0);
         let width_m = self.ground.lane_width_m();
         let [x, y] = place.at_m;
-        let line = Marker::cube("stop lines", [x, y, 0.02], [0.4, width_m, 0.05], color);
+        let size = [0.4, width_m, 0.05];
+        let line = Marker::new("stop lines", kind::CUBE, [x, y, 0.02], size, color);
         let [x, y] = place.point(0.0, 0.5 * width_m + 0.8);
-        let light = Marker::sphere("lights", [x, y, LIGHT_HEIGHT_M], 0.9, color);
+        let light = Marker::new("lights", kind::SPHERE, [x, y, LIGHT_HEIGHT_M], [0.9; 3], color);
         let words = left_s
             .map(|left_s| Marker::text([x, y, LIGHT_HEIGHT_M + 1.4], format!("{left_s:.0} s")));
         [line.turned(place.heading_rad), light].into_iter().chain(words).collect()
