@@ -262,7 +262,7 @@ pub fn frame(bytes: &[u8]) {
     let mut receiver =
         obu::receiver::Receiver::new(1, 500, obu::lanes::road_plane(&Default::default()));
     let verdict = receiver.take(bytes, &moment);
-    assert_eq!(receiver.verdicts().of(verdict), 1);
+    assert_eq!(receiver.verdicts.of(verdict), 1);
     let mut map = bytemuck::Zeroable::zeroed();
     let mut spat = bytemuck::Zeroable::zeroed();
     receiver.write(0, 0.0, &mut map, &mut spat);

@@ -9,24 +9,18 @@ use its::time::its_timestamp;
 use its::triggers::{self, Triggers};
 use its::{Frame, Message};
 use messages::Odometry;
-use scenario::radio::Origin;
+use scenario::Scenario;
 
 const WIDTH_DM: u8 = 19;
 const CAR: u8 = 5;
 const TRUCK: u8 = 8;
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vehicle {
-    pub station_id: u32,
-    pub length_m: f64,
-    /// True for a heavy truck, false for a car.
-    pub is_truck: bool,
-}
-
 /// The sender of the vehicle's CAMs.
 #[derive(Clone, Debug)]
 pub struct Awareness {
-    vehicle: Vehicle,
+    station_id: u32,
+    station_type: u8,
+    length_dm: u16,
     triggers: Triggers,
     plane: Plane,
     heading_deg: f64,
@@ -34,11 +28,19 @@ pub struct Awareness {
 
 impl Awareness {
     /// A sender before its first frame.
-    pub fn new(vehicle: Vehicle, origin: &Origin) -> Self {
-        let heading_deg = origin.heading_deg.value();
-        Self { vehicle, triggers: Triggers::default(), plane: road_plane(origin), heading_deg }
+    pub fn of(scenario: &Scenario) -> Self {
+        let (plant, origin) = (&scenario.plant, &scenario.v2x.origin);
+        Self {
+            station_id: scenario.v2x.obu.station_id.value(),
+            station_type: if plant.vehicle.is_truck() { TRUCK } else { CAR },
+            length_dm: (10.0 * plant.length_m.value()).round().clamp(1.0, 1022.0) as u16,
+            triggers: Triggers::default(),
+            plane: road_plane(origin),
+            heading_deg: origin.heading_deg.value(),
+        }
     }
 
+    /// The frame that is due now, if one is.
     pub fn due(&mut self, odometry: &Odometry, moment: &Moment) -> Option<Vec<u8>> {
         let (position_m, speed_mps) = odometry.moved_to(moment.now_ns as f64 / 1e9);
         let motion = triggers::Motion { position_m, speed_mps, heading_deg: self.heading_deg };
@@ -49,18 +51,18 @@ impl Awareness {
         let position = self.plane.position(position_m, 0.0);
         let acceleration = (10.0 * odometry.acceleration_mps2).round().clamp(-160.0, 160.0) as i16;
         let speed_cmps = (100.0 * speed_mps).round().clamp(0.0, 16_382.0);
-        let Vehicle { station_id, length_m, is_truck } = self.vehicle;
+        let Self { station_id, station_type, length_dm, .. } = *self;
         let cam = Cam {
             station_id,
             generation_delta: timestamp.rem_euclid(1 << 16) as u16,
-            station_type: if is_truck { TRUCK } else { CAR },
+            station_type,
             position,
             motion: Motion {
                 heading,
                 speed: speed_cmps as u16,
                 acceleration,
                 yaw_rate: 0,
-                length: (10.0 * length_m).round().clamp(1.0, 1022.0) as u16,
+                length: length_dm,
                 width: WIDTH_DM,
             },
             low_frequency: due.low_frequency.then_some(LowFrequency { role: 0, lights: 0 }),

@@ -39,11 +39,6 @@ impl Path {
         Self { plane, axis }
     }
 
-    /// The same plane with another way in it.
-    pub fn along(self, axis: Option<Axis>) -> Self {
-        Self { axis, ..self }
-    }
-
     /// Distance of a position along the path and to its left, m.
     pub fn point(&self, position: Position) -> (f64, f64) {
         let (x_m, y_m) = self.plane.point(position);

@@ -20,7 +20,7 @@
 //! let moment = Moment { now_ns: 0, utc_start_ns: 1_780_315_200_000_000_000, ahead_ns: 0 };
 //! assert_eq!(unit.take(b"not a frame", &moment), Verdict::OtherProfile);
 //! assert_eq!(unit.take(b"not a frame", &moment), Verdict::Duplicated);
-//! assert_eq!(unit.verdicts().of(Verdict::OtherProfile), 1);
+//! assert_eq!(unit.verdicts.of(Verdict::OtherProfile), 1);
 //! ```
 
 pub mod awareness;

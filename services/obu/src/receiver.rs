@@ -22,7 +22,6 @@ use its::signed;
 use its::spatem::Spatem;
 use its::time::from_its_timestamp;
 use messages::{Lane, Map, Spat};
-use road::Axis;
 use std::collections::VecDeque;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -42,12 +41,16 @@ pub struct Receiver {
     numbers: Numbers,
     station_id: u32,
     max_age_ms: i64,
-    path: Path,
+    /// The road, or a way through a net.
+    pub(crate) path: Path,
     intersections: Vec<Intersection>,
     heard: VecDeque<u64>,
-    verdicts: Verdicts,
-    uses_signed: bool,
-    signers: Signers,
+    /// Verdicts on all frames so far.
+    pub verdicts: Verdicts,
+    /// Signed frames are not ignored.
+    pub(crate) uses_signed: bool,
+    /// The signers of the frames so far, as their envelopes name them.
+    pub signers: Signers,
 }
 
 impl Receiver {
@@ -71,36 +74,11 @@ impl Receiver {
         }
     }
 
-    /// Ignores signed frames unless they are `used`.
-    pub fn with_signed(self, used: bool) -> Self {
-        Self { uses_signed: used, ..self }
-    }
-
-    /// The signers of the frames so far, as their envelopes name them.
-    pub fn signers(&self) -> &Signers {
-        &self.signers
-    }
-
-    /// The same on a way through a net.
-    pub fn along(self, axis: Option<Axis>) -> Self {
-        Self { path: self.path.along(axis), ..self }
-    }
-
-    /// Continues these counts.
-    pub fn counting(self, verdicts: Verdicts) -> Self {
-        Self { verdicts, ..self }
-    }
-
     /// Takes a frame; returns and counts the verdict.
     pub fn take(&mut self, bytes: &[u8], moment: &Moment) -> Verdict {
         let verdict = self.judge(bytes, moment);
         self.verdicts.count(verdict);
         verdict
-    }
-
-    /// Verdicts on all frames so far.
-    pub fn verdicts(&self) -> &Verdicts {
-        &self.verdicts
     }
 
     /// Drops intersections that are passed and silent. `ego_m` is the vehicle's position on its path.

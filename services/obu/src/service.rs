@@ -1,8 +1,8 @@
 //! The on-board unit's loop: released by a batch of frames, or by its timer if the batch is late.
 
-use crate::awareness::{Awareness, Vehicle};
+use crate::awareness::Awareness;
 use crate::clock::{ClockError, Moment};
-use crate::lanes::road_plane;
+use crate::lanes::{Path, road_plane};
 use crate::receiver::Receiver;
 use crate::report::ObuReport;
 use crate::verdict::Verdicts;
@@ -35,14 +35,14 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.begin(&scenario)?;
     unit.own_utc_start_ns = runtime.utc_start_ns();
     runtime.run_cycles(|runtime| unit.cycle(runtime))?;
-    let signers = unit.receiver.signers();
+    let signers = &unit.receiver.signers;
     if signers.frames > 0 {
         let (frames, names) = (signers.frames, signers.not_verified.len());
         eprintln!("{frames} signed frames of {names} signers: their signatures are not verified");
     }
     let report = ObuReport {
         signed: (signers.frames > 0).then(|| signers.clone()),
-        ..unit.counts.report(unit.receiver.verdicts())
+        ..unit.counts.report(&unit.receiver.verdicts)
     };
     runtime.finish(report)
 }
@@ -112,9 +112,8 @@ pub fn last_known(group: &Group) -> Option<ObuReport> {
 
 impl Unit {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
-        let (keys, origin) = (&scenario.v2x.obu, &scenario.v2x.origin);
+        let (keys, plane) = (&scenario.v2x.obu, road_plane(&scenario.v2x.origin));
         let period_ns = i64::from(scenario.v2x.period_ms.value()) * 1_000_000;
-        let station_id = keys.station_id.value();
         let net = scenario.traffic.route().and_then(|_| scenario.road.plan());
         let axis = net.map(|plan| plan.axis().clone());
         Ok(Self {
@@ -123,22 +122,13 @@ impl Unit {
             spat: runtime.publisher()?,
             map: runtime.publisher()?,
             sent: runtime.publisher()?,
-            receiver: Receiver::new(
-                station_id,
-                i64::from(keys.max_age_ms.value()),
-                road_plane(origin),
-            )
-            .with_signed(keys.signed == SignedFrames::Use)
-            .along(axis)
-            .counting(Verdicts::open(runtime.figures())?),
-            awareness: Awareness::new(
-                Vehicle {
-                    station_id,
-                    length_m: scenario.plant.length_m.value(),
-                    is_truck: scenario.plant.vehicle.is_truck(),
-                },
-                origin,
-            ),
+            receiver: Receiver {
+                path: Path::new(plane, axis),
+                verdicts: Verdicts::open(runtime.figures())?,
+                uses_signed: keys.signed == SignedFrames::Use,
+                ..Receiver::new(keys.station_id.value(), keys.max_age_ms.value().into(), plane)
+            },
+            awareness: Awareness::of(scenario),
             clock_error: ClockError {
                 offset_ms: keys.clock_offset_ms.value(),
                 drift_ppm: keys.clock_drift_ppm.value(),

@@ -35,7 +35,8 @@ pub struct Air {
     keys: Keys,
     generator: Pcg64,
     is_bad: bool,
-    on_the_way: Vec<OnTheWay>,
+    /// Frames with the order of their sending, which breaks ties.
+    on_the_way: Vec<(u64, Arrival)>,
     sent: u64,
     history: VecDeque<(u64, Vec<u8>)>,
 }
@@ -47,13 +48,6 @@ pub struct Arrival {
     /// Instant of arrival, ns of run time.
     pub received_ns: u64,
     pub bytes: Vec<u8>,
-}
-
-#[derive(Clone, Debug)]
-struct OnTheWay {
-    /// Order of sending, which breaks ties.
-    number: u64,
-    arrival: Arrival,
 }
 
 /// The random draws of one frame.
@@ -125,10 +119,10 @@ impl Air {
 
     /// The frames that arrive up to `now_ns`, in the order of arrival.
     pub fn arrived(&mut self, now_ns: u64) -> Vec<Arrival> {
-        let is_here = |frame: &mut OnTheWay| frame.arrival.received_ns <= now_ns;
-        let mut here: Vec<OnTheWay> = self.on_the_way.extract_if(.., is_here).collect();
-        here.sort_by_key(|frame| (frame.arrival.received_ns, frame.number));
-        here.into_iter().map(|frame| frame.arrival).collect()
+        let is_here = |(_, arrival): &mut (u64, Arrival)| arrival.received_ns <= now_ns;
+        let mut here: Vec<_> = self.on_the_way.extract_if(.., is_here).collect();
+        here.sort_by_key(|(number, arrival)| (arrival.received_ns, *number));
+        here.into_iter().map(|(_, arrival)| arrival).collect()
     }
 
     fn is_imperfect(&self, now_ns: u64) -> bool {
@@ -153,8 +147,7 @@ impl Air {
 
     fn deliver(&mut self, sent_ns: u64, received_ns: u64, bytes: Vec<u8>) {
         self.sent += 1;
-        let arrival = Arrival { sent_ns, received_ns, bytes };
-        self.on_the_way.push(OnTheWay { number: self.sent, arrival });
+        self.on_the_way.push((self.sent, Arrival { sent_ns, received_ns, bytes }));
     }
 
     /// Keeps a frame for its replay.

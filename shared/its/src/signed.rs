@@ -151,17 +151,9 @@ impl<'a> Octets<'a> {
             true => Some(utc_ms(self.number(8)?)?),
             false => None,
         };
-        if has(2) {
-            // Expiry time.
-            self.take(8)?;
-        }
-        if has(3) {
-            // Generation location.
-            self.take(10)?;
-        }
-        if has(4) {
-            // Request for a certificate.
-            self.take(3)?;
+        // Expiry time, generation location, request for a certificate.
+        for (_, octets) in [(2, 8), (3, 10), (4, 3)].into_iter().filter(|(place, _)| has(*place)) {
+            self.take(octets)?;
         }
         if has(5) || has(6) {
             // A missing list of revoked certificates, or a key: in no message to all.

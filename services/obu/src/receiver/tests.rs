@@ -378,7 +378,7 @@ fn other_frames_are_counted_by_their_kind() {
     for (bytes, verdict) in cases {
         assert_eq!(receiver.take(&bytes, &at(0)), verdict);
     }
-    let counts = receiver.verdicts().by_name();
+    let counts = receiver.verdicts.by_name();
     assert_eq!((counts["other_profile"], counts["malformed"], counts["accepted"]), (2, 4, 0));
     assert_eq!(counts.values().sum::<u64>(), 9);
 }
@@ -413,13 +413,13 @@ fn signed_frames_are_used_as_others_or_counted_alone() {
     let mut receiver = Receiver::new(OWN, 500, plane());
     assert_eq!(receiver.take(&sealed(&map(0)), &at(0)), Verdict::Accepted);
     assert_eq!(receiver.take(&sealed(&spat(0, 20_000)), &at(0)), Verdict::Accepted);
-    let signers = receiver.signers();
+    let signers = &receiver.signers;
     assert_eq!(signers.frames, 2);
     assert_eq!(signers.not_verified["0102030405060708"].frames, 2);
-    let mut deaf = Receiver::new(OWN, 500, plane()).with_signed(false);
+    let mut deaf = Receiver { uses_signed: false, ..Receiver::new(OWN, 500, plane()) };
     assert_eq!(deaf.take(&sealed(&map(0)), &at(0)), Verdict::Signed);
     assert_eq!(deaf.take(&map(0), &at(0)), Verdict::Accepted);
-    assert_eq!((deaf.verdicts().of(Verdict::Signed), deaf.signers().frames), (1, 1));
+    assert_eq!((deaf.verdicts.of(Verdict::Signed), deaf.signers.frames), (1, 1));
     let mut broken = sealed(&map(100));
     broken.truncate(60);
     assert_eq!(receiver.take(&broken, &at(100)), Verdict::Malformed);
