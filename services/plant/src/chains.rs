@@ -117,18 +117,11 @@ impl Chains {
 
     /// Percentiles of the reaction time's parts.
     pub(crate) fn hops_us(&self) -> Hops {
-        let [publish, queue, transport, compute, wait, wake, actuate]: [_; PARTS] =
-            std::array::from_fn(|part| self.times.parts[part].percentiles_us());
+        let parts: [_; PARTS] = std::array::from_fn(|part| self.times.parts[part].percentiles_us());
         Hops {
             radar_to_controller: self.radar_to_controller.percentiles_us(),
-            controller_compute: compute,
             controller_to_plant: self.controller_to_plant.percentiles_us(),
-            radar_publish: publish,
-            controller_queue: queue,
-            radar_transport: transport,
-            command_wait: wait,
-            command_transport: wake,
-            actuate,
+            parts: parts.into(),
         }
     }
 
@@ -246,7 +239,7 @@ mod tests {
             (2, 3)
         );
         let hops = chains.hops_us();
-        for part in [hops.radar_to_controller, hops.radar_transport, hops.actuate] {
+        for part in [hops.radar_to_controller, hops.parts.radar_transport, hops.parts.actuate] {
             assert_eq!(count(part), 2);
         }
         assert_eq!(chains.times.reaction.percentiles_us().map(|p| p.max), Some(13.0));

@@ -110,16 +110,10 @@ impl Ego {
     }
 
     pub(crate) fn truck(&self) -> Option<&Truck> {
-        match self {
-            Self::Car(..) | Self::Unit(_) => None,
-            Self::Truck(truck) => Some(truck),
-        }
+        if let Self::Truck(truck) = self { Some(truck) } else { None }
     }
 
     pub(crate) fn unit(&self) -> Option<&UnitCar> {
-        match self {
-            Self::Unit(unit) => Some(unit),
-            Self::Car(..) | Self::Truck(_) => None,
-        }
+        if let Self::Unit(unit) = self { Some(unit) } else { None }
     }
 }

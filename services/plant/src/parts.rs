@@ -43,7 +43,7 @@ impl From<&Brake> for Stamps {
 /// Number of the parts.
 pub(crate) const PARTS: usize = 7;
 
-/// The parts of one reaction time, ns, in the order of [`crate::report::HopTimes`].
+/// The parts of one reaction time, ns, in the order of [`crate::report::Parts`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Chain(pub(crate) [i64; PARTS]);
 

@@ -28,15 +28,6 @@ const SILENCE: Duration = Duration::from_millis(500);
 /// Gain of the integral on the acceleration's error, share of the strongest acceleration by s. Chosen.
 const INTEGRAL_GAIN: f64 = 1.0;
 
-/// An answer that no vehicle gives.
-#[derive(Debug, thiserror::Error)]
-#[error("{subject} answered {name} = {value}, expected a finite number")]
-struct NotFinite {
-    subject: String,
-    name: &'static str,
-    value: f64,
-}
-
 /// The time of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
@@ -57,7 +48,7 @@ pub(crate) struct UnitCar {
     /// Periods in which the own car moved.
     own_periods: u64,
     /// Fault of the first refused answer.
-    refusal: Option<NotFinite>,
+    refusal: Option<String>,
 }
 
 impl UnitCar {
@@ -77,10 +68,7 @@ impl UnitCar {
         let speed_mps = plant.initial_speed_mps.value();
         let proof = Proof {
             question: Request { sequence: 1, reset: 1, period_s, speed_mps, ..Request::default() },
-            check: |motion: &Motion| match wrong(motion) {
-                None => Ok(()),
-                Some((name, value)) => Err(format!("{name} = {value}, expected a finite number")),
-            },
+            check,
             service: Service::Plant,
         };
         let mut program = Hosting::new(plan, proof);
@@ -134,8 +122,8 @@ impl UnitCar {
             Request { sequence, reset, time_s, period_s, request_mps2, throttle, brake, speed_mps }
         });
         match asked.map_err(|error| RuntimeError::Program(error.into()))? {
-            Reply::Answer(motion) => match wrong(&motion) {
-                None => {
+            Reply::Answer(motion) => match check(&motion) {
+                Ok(()) => {
                     if is_anew {
                         self.origin_m = None;
                     }
@@ -143,9 +131,8 @@ impl UnitCar {
                     self.own.go_on_from(state);
                     return Ok(());
                 }
-                Some((name, value)) => {
-                    let subject = self.program.plan().subject();
-                    let fault = NotFinite { subject, name, value };
+                Err(reason) => {
+                    let fault = format!("{} answered {reason}", self.program.plan().subject());
                     if moment.left.is_none() {
                         return Err(RuntimeError::Program(fault.into()));
                     }
@@ -187,8 +174,7 @@ impl UnitCar {
     /// Faults of the unit for people; none if it drove all of the run.
     pub(crate) fn note(&self) -> Option<String> {
         let Life { failures, .. } = self.program.life();
-        let refusal = self.refusal.as_ref().map(ToString::to_string);
-        let faults: Vec<_> = refusal.into_iter().chain(failures).collect();
+        let faults: Vec<_> = self.refusal.clone().into_iter().chain(failures).collect();
         (self.own_periods > 0).then(|| {
             let subject = self.program.plan().subject();
             let periods = self.own_periods;
@@ -198,14 +184,17 @@ impl UnitCar {
     }
 }
 
-/// The first value of an answer that is not a number.
-fn wrong(motion: &Motion) -> Option<(&'static str, f64)> {
+/// Refuses an answer that no vehicle gives.
+fn check(motion: &Motion) -> Result<(), String> {
     let values = [
         ("speed_mps", motion.speed_mps),
         ("position_m", motion.position_m),
         ("acceleration_mps2", motion.acceleration_mps2),
     ];
-    values.into_iter().find(|(_, value)| !value.is_finite())
+    match values.into_iter().find(|(_, value)| !value.is_finite()) {
+        Some((name, value)) => Err(format!("{name} = {value}, expected a finite number")),
+        None => Ok(()),
+    }
 }
 
 struct Pedals {

@@ -32,11 +32,8 @@ const KWH_J: f64 = 3.6e6;
 /// The energy so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct WheelEnergy {
-    #[serde(skip)]
-    numbers: Numbers,
-    /// `None` for a level road.
-    #[serde(skip)]
-    heights: Option<GradeProfile>,
+    rolling: f64,
+    drag_kgpm: f64,
     mass_kg: f64,
     energy_j: f64,
     way_m: f64,
@@ -48,25 +45,18 @@ impl WheelEnergy {
         let plant = &scenario.plant;
         let own_kg = plant.powertrain.map(|powertrain| powertrain.mass_kg.value());
         let mass_kg = own_kg.unwrap_or(numbers.car_mass_kg);
-        let numbers = *numbers;
-        // A scenario's check has read the heights already.
-        let heights = scenario.road.profile().ok().filter(|_| !scenario.road.is_level());
-        let still = Self { numbers, heights, mass_kg, energy_j: 0.0, way_m: 0.0 };
+        let Numbers { rolling, drag_kgpm, .. } = *numbers;
+        let still = Self { rolling, drag_kgpm, mass_kg, energy_j: 0.0, way_m: 0.0 };
         (plant.vehicle == Vehicle::Car).then_some(still)
     }
 
-    /// Goes on from what another process kept.
-    pub(crate) fn restore(&mut self, kept: Self) {
-        *self = Self { numbers: self.numbers, heights: self.heights.take(), ..kept };
-    }
-
-    /// Adds the drive from one state to the next.
-    pub(crate) fn add(&mut self, from: &State, to: &State) {
+    /// Adds the drive from one state to the next; `heights` are those of a road that is not level.
+    pub(crate) fn add(&mut self, from: &State, to: &State, heights: Option<&GradeProfile>) {
         let way_m = to.position_m - from.position_m;
         let speed_mps = 0.5 * (from.speed_mps + to.speed_mps);
         let acceleration_mps2 = 0.5 * (from.acceleration_mps2 + to.acceleration_mps2);
-        let Numbers { rolling, drag_kgpm, .. } = self.numbers;
-        let slope_mps2 = self.heights.as_ref().map_or(0.0, |heights| {
+        let Self { rolling, drag_kgpm, .. } = *self;
+        let slope_mps2 = heights.map_or(0.0, |heights| {
             GRAVITY_MPS2 * heights.mean_grade(from.position_m, to.position_m)
         });
         let force_n = self.mass_kg * (acceleration_mps2 + rolling * GRAVITY_MPS2 + slope_mps2)
@@ -93,7 +83,7 @@ mod tests {
         let at = |position_m| State { position_m, speed_mps: 30.0, acceleration_mps2: 0.0 };
         assert_eq!(energy.kwh_per_100km(), None);
         for k in 0..1000 {
-            energy.add(&at(f64::from(k)), &at(f64::from(k + 1)));
+            energy.add(&at(f64::from(k)), &at(f64::from(k + 1)), None);
         }
         // 172.7 N of rolling resistance and 344.7 N of drag over 100 km.
         let found = energy.kwh_per_100km().expect("1 km");
@@ -104,9 +94,10 @@ mod tests {
         let text = "schema_version = 1\nname = \"x\"\nroad.points = [[0, 0], [400, 8]]\n";
         let scenario = Scenario::parse("x", text).expect("it is right");
         let mut energy = WheelEnergy::of(&scenario, &Numbers::DEFAULT).expect("a car");
+        let heights = scenario.road.profile().expect("it is right");
         let at = |position_m| State { position_m, speed_mps: 30.0, acceleration_mps2: 0.0 };
         for k in 0..400 {
-            energy.add(&at(f64::from(k)), &at(f64::from(k + 1)));
+            energy.add(&at(f64::from(k)), &at(f64::from(k + 1)), Some(&heights));
         }
         // 517.4 N as on a level road, and the weight of 1600 kg on 2 %.
         let found = energy.kwh_per_100km().expect("400 m");

@@ -1,7 +1,7 @@
 //! The chains with the longest reaction times, kept whole.
 
 use crate::parts::Chain;
-use crate::report::{HopTimes, WorstChain};
+use crate::report::WorstChain;
 use messages::{Command, Origin};
 
 /// Chains that are kept.
@@ -31,30 +31,13 @@ impl Worst {
         let age =
             |origin: Origin| origin.is_some().then(|| us(command.start_ns - origin.acquisition_ns));
         let header = &command.header;
-        let [
-            radar_publish,
-            controller_queue,
-            radar_transport,
-            controller_compute,
-            command_wait,
-            command_transport,
-            actuate,
-        ] = parts.0.map(us);
         let chain = WorstChain {
             t_s: now_ns as f64 / 1e9,
             radar_sequence: header.origins.radar.sequence,
             command_sequence: header.sequence,
             reaction_time_us,
             designed_wait_us: us(parts.designed_wait_ns(&command.into())),
-            hops_us: HopTimes {
-                radar_publish,
-                controller_queue,
-                radar_transport,
-                controller_compute,
-                command_wait,
-                command_transport,
-                actuate,
-            },
+            hops_us: parts.0.map(us).into(),
             deadline_missed: header.publish_ns - header.acquisition_ns > self.deadline_ns,
             odometry_age_us: age(header.origins.odometry),
             radar_age_us: age(header.origins.radar),

@@ -5,7 +5,7 @@ use crate::clock::ClockDifference;
 /// Longest frame, bytes.
 pub const MAX_FRAME: usize = 1500;
 
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
     pub(crate) bytes: [u8; MAX_FRAME],
     pub(crate) length: u16,
@@ -48,18 +48,5 @@ impl Frame {
 
     pub fn bytes(&self) -> &[u8] {
         &self.bytes[..usize::from(self.length)]
-    }
-}
-
-impl std::fmt::Debug for Frame {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Frame")
-            .field("bytes", &self.bytes())
-            .field("sender", &self.sender)
-            .field("sent_ns", &self.sent_ns)
-            .field("received_ns", &self.received_ns)
-            .field("start_ns", &self.start_ns)
-            .field("clock", &self.clock)
-            .finish()
     }
 }

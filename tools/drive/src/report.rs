@@ -6,7 +6,7 @@ pub use controller::report::{CheckReport, ControllerReport, ModeChange, Planning
 pub use obu::report::ObuReport;
 pub use perception_sim::report::PerceptionReport;
 pub use plant::report::{
-    BrakeFigures, ControlFigures, HopTimes, Hops, Outcome, PlantReport, SignalHops, WorstChain,
+    BrakeFigures, ControlFigures, Hops, Outcome, Parts, PlantReport, SignalHops, WorstChain,
 };
 pub use runtime::report::{ReceivedTopic, SentTopic};
 pub use v2x_sim::report::{LinkReport, StationReport};

@@ -4,7 +4,7 @@ use super::chart::{Axis, Bands, Curve, Plot, Row, Span, Stroke, Tone};
 use super::picture::RunPicture;
 use crate::print::duration;
 use runtime::statistics::{Latencies, QuantileCurve};
-use supervise::report::{HopTimes, WorstChain};
+use supervise::report::{Parts, WorstChain};
 
 /// Chains drawn as timelines; the table has all.
 const DRAWN_CHAINS: usize = 5;
@@ -91,7 +91,7 @@ pub fn worst_chains(chains: &[WorstChain]) -> Option<Bands> {
 
 /// Parts of a chain one after the other, ms. Parts without length are left out. So is the wait for the plant:
 /// it is part of the design and longer than all else.
-fn spans(hops: &HopTimes) -> Vec<Span> {
+fn spans(hops: &Parts<f64>) -> Vec<Span> {
     let command_wait = 0.0;
     let lengths_us = [
         hops.radar_publish,

@@ -8,6 +8,7 @@
 
 use crate::report::{ControlFigures, Outcome};
 use scenario::Scenario;
+use scenario::grade::GradeProfile;
 use scenario::referee::DesiredGap;
 use serde::{Deserialize, Serialize};
 
@@ -44,8 +45,11 @@ pub enum Violation {
 /// Watches one run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Referee {
+    /// `None` on a level road.
     #[serde(skip)]
-    numbers: Numbers,
+    heights: Option<GradeProfile>,
+    /// Speed above which the ego drives, m/s.
+    drives_mps: f64,
     /// Gap from which errors are measured. `None`: only the law has it.
     desired: Option<DesiredGap>,
     set_speed_mps: f64,
@@ -74,7 +78,9 @@ impl Referee {
     /// A referee at the start of a run.
     pub fn new(scenario: &Scenario, numbers: &Numbers) -> Self {
         Self {
-            numbers: *numbers,
+            // A scenario's check has read the heights already.
+            heights: scenario.road.profile().ok().filter(|_| !scenario.road.is_level()),
+            drives_mps: numbers.drives_mps,
             desired: scenario.referee.desired_gap,
             set_speed_mps: scenario.set_speed_mps.value(),
             reach_m: scenario.perception.radar.max_range_m.value(),
@@ -91,12 +97,8 @@ impl Referee {
     }
 
     /// Goes on from what another process kept.
-    pub fn restore(&mut self, mut kept: Self) {
-        if let (Some(energy), Some(before)) = (&mut kept.wheel_energy, self.wheel_energy.take()) {
-            let kept = std::mem::replace(energy, before);
-            energy.restore(kept);
-        }
-        *self = Self { numbers: self.numbers, ..kept };
+    pub fn restore(&mut self, kept: Self) {
+        *self = Self { heights: self.heights.take(), ..kept };
     }
 
     /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane, and the signals (nearest first). The
@@ -174,12 +176,12 @@ impl Referee {
         figures.min_accel_mps2 = smaller(figures.min_accel_mps2, acceleration);
         figures.max_accel_mps2 = larger(figures.max_accel_mps2, acceleration);
         if let (Some(energy), Some(last)) = (&mut self.wheel_energy, &self.last) {
-            energy.add(&last.ego, &sample.ego);
+            energy.add(&last.ego, &sample.ego, self.heights.as_ref());
             figures.wheel_energy_kwh_per_100km = energy.kwh_per_100km();
         }
         let stands = sample.ego.speed_mps <= 0.0;
         figures.stops = Some(figures.stops.unwrap_or(0) + u64::from(stands && self.drives));
-        self.drives = !stands && (self.drives || sample.ego.speed_mps > self.numbers.drives_mps);
+        self.drives = !stands && (self.drives || sample.ego.speed_mps > self.drives_mps);
         // A rigid vehicle comes to a stand with a step of its acceleration. The jerk leaves this step out: over one
         // period it would grow without bound as the period shrinks.
         let comes_to_stand =

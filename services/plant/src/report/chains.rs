@@ -3,7 +3,49 @@
 use runtime::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
 
-/// The parts of the reaction time, which add up to it sample by sample:
+/// A value for each part of a reaction time, in order of time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Parts<T> {
+    /// Acquisition to the sample's publication: the radar's latency, its release, scan and tracking.
+    pub radar_publish: T,
+    /// Time for which the published sample lay there and the controller was busy or not yet due.
+    pub controller_queue: T,
+    /// Time from then until the controller had woken up with it.
+    pub radar_transport: T,
+    /// Start of the control cycle to its command's publication.
+    pub controller_compute: T,
+    /// Publication of the command to the scheduled release of the plant that looks for it.
+    pub command_wait: T,
+    /// Time from then until the plant had woken up.
+    pub command_transport: T,
+    /// Time from then to the actuators.
+    pub actuate: T,
+}
+
+impl<T> From<[T; 7]> for Parts<T> {
+    fn from(parts: [T; 7]) -> Self {
+        let [
+            radar_publish,
+            controller_queue,
+            radar_transport,
+            controller_compute,
+            command_wait,
+            command_transport,
+            actuate,
+        ] = parts;
+        Self {
+            radar_publish,
+            controller_queue,
+            radar_transport,
+            controller_compute,
+            command_wait,
+            command_transport,
+            actuate,
+        }
+    }
+}
+
+/// The parts of the reaction time, which add up to it sample by sample, and sums of the first three and the last three:
 ///
 /// ```text
 /// radar_to_controller = radar_publish + controller_queue + radar_transport
@@ -14,22 +56,10 @@ use serde::{Deserialize, Serialize};
 pub struct Hops {
     /// Radar acquisition to the start of the control cycle that uses it.
     pub radar_to_controller: Option<Percentiles>,
-    /// Start of the control cycle to its command's publication.
-    pub controller_compute: Option<Percentiles>,
     /// Publication of the command to its first actuation.
     pub controller_to_plant: Option<Percentiles>,
-    /// Acquisition to the sample's publication: the radar's latency, its release, scan and tracking.
-    pub radar_publish: Option<Percentiles>,
-    /// Time for which the published sample lay there and the controller was busy or not yet due.
-    pub controller_queue: Option<Percentiles>,
-    /// Time from then until the controller had woken up with it.
-    pub radar_transport: Option<Percentiles>,
-    /// Publication of the command to the scheduled release of the plant that looks for it.
-    pub command_wait: Option<Percentiles>,
-    /// Time from then until the plant had woken up.
-    pub command_transport: Option<Percentiles>,
-    /// Time from then to the actuators.
-    pub actuate: Option<Percentiles>,
+    #[serde(flatten)]
+    pub parts: Parts<Option<Percentiles>>,
 }
 
 /// Parts of the time from a signal's change to the first actuation that uses the new phase. Their sum is that time:
@@ -50,18 +80,6 @@ pub struct SignalHops {
     pub actuate: Option<Percentiles>,
 }
 
-/// The parts of one reaction time, µs; see [`Hops`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct HopTimes {
-    pub radar_publish: f64,
-    pub controller_queue: f64,
-    pub radar_transport: f64,
-    pub controller_compute: f64,
-    pub command_wait: f64,
-    pub command_transport: f64,
-    pub actuate: f64,
-}
-
 /// One chain, whole, with what the controller's cycle met with: what to look at first when a
 /// deadline was missed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,7 +92,7 @@ pub struct WorstChain {
     /// Radar acquisition to actuation, µs.
     pub reaction_time_us: f64,
     pub designed_wait_us: f64,
-    pub hops_us: HopTimes,
+    pub hops_us: Parts<f64>,
     /// True if the control cycle finished after its deadline.
     pub deadline_missed: bool,
     /// Age of the odometry sample at the start of the control cycle, µs; null without a sample.

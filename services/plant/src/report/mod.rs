@@ -2,7 +2,7 @@
 
 mod chains;
 
-pub use chains::{HopTimes, Hops, SignalHops, WorstChain};
+pub use chains::{Hops, Parts, SignalHops, WorstChain};
 
 use messages::level::Levels;
 use runtime::statistics::{Latencies, Percentiles};

@@ -1,6 +1,6 @@
 //! The controller's path: a command goes from the topic over delivery and gateway to the actuators, and is accounted.
 
-use messages::{Command, Header, Origin, Origins, PLAN_LEN};
+use messages::{Command, Header, Origins, PLAN_LEN};
 use runtime::{Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -16,31 +16,22 @@ use crate::timeliness::Timeliness;
 /// The path with its port.
 pub(super) struct Control {
     command: Subscriber<Command>,
-    delivery: Delivery,
+    pub(super) delivery: Delivery,
     pub(super) gateway: Gateway,
     pub(super) chains: Chains,
     pub(super) signal_chain: SignalChain,
-    timeliness: Timeliness,
+    pub(super) counted: Counted,
     active: Option<Command>,
-    /// Run time at which the last command was accepted, and the longest time between two, ns.
+    /// Run time at which the last command was accepted, ns.
     accepted_ns: Option<i64>,
-    longest_gap_ns: i64,
 }
 
 /// Counts that go on over all processes of the plant.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Counted {
     pub(super) timeliness: Timeliness,
-    last_radar: Option<Origin>,
-    longest_gap_ns: i64,
-    pub(super) undelivered: u64,
-}
-
-impl Counted {
-    /// Longest time between two commands, µs.
-    pub(super) fn longest_gap_us(&self) -> Option<f64> {
-        (self.longest_gap_ns > 0).then_some(self.longest_gap_ns as f64 / 1e3)
-    }
+    /// Longest time between two accepted commands, ns.
+    pub(super) longest_gap_ns: i64,
 }
 
 impl Control {
@@ -53,10 +44,12 @@ impl Control {
             gateway: Gateway::new(&scenario.plant),
             chains: Chains::open(deadline_ns, CONTROL_PATH, runtime.figures())?,
             signal_chain: SignalChain::open(runtime.figures())?,
-            timeliness: Timeliness::new(period_ns, deadline_ns),
+            counted: Counted {
+                timeliness: Timeliness::new(period_ns, deadline_ns),
+                longest_gap_ns: 0,
+            },
             active: None,
             accepted_ns: None,
-            longest_gap_ns: 0,
         })
     }
 
@@ -79,7 +72,7 @@ impl Control {
         if let Some(arrival) = self.delivery.arrived(now_ns) {
             self.accept(&arrival, release, now_ns);
         }
-        self.timeliness.judge(release.scheduled_ns);
+        self.counted.timeliness.judge(release.scheduled_ns);
         if let Some(active) = &self.active {
             let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
             self.chains.actuated(active, &Actuated { scheduled_ns, start_ns, now_ns });
@@ -94,7 +87,7 @@ impl Control {
         let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
         let plan_len = if is_repeated { 0 } else { plan_len };
         if plan_len > 0 {
-            self.timeliness.arrived(released_ns);
+            self.counted.timeliness.arrived(released_ns);
         }
         // The plan is moved by the delay with the rest of the command.
         let start_ns = released_ns + delay_ns;
@@ -112,27 +105,9 @@ impl Control {
         );
         if accepted.is_ok() {
             if let Some(last_ns) = self.accepted_ns.replace(now_ns) {
-                self.longest_gap_ns = self.longest_gap_ns.max(now_ns - last_ns);
+                self.counted.longest_gap_ns = self.counted.longest_gap_ns.max(now_ns - last_ns);
             }
             self.active = Some(command);
         }
-    }
-
-    /// The counts so far.
-    pub(super) fn counted(&self) -> Counted {
-        Counted {
-            timeliness: self.timeliness,
-            last_radar: self.chains.last_radar,
-            longest_gap_ns: self.longest_gap_ns,
-            undelivered: self.delivery.undelivered,
-        }
-    }
-
-    /// Goes on from what another process counted.
-    pub(super) fn restore(&mut self, counted: &Counted) {
-        self.timeliness = counted.timeliness;
-        self.chains.last_radar = counted.last_radar;
-        self.longest_gap_ns = counted.longest_gap_ns;
-        self.delivery.undelivered = counted.undelivered;
     }
 }

@@ -1,8 +1,8 @@
 //! State that outlives the plant's process: the vehicle, the referee's record and the counts. A report of the state
 //! ends the run.
 
-use messages::Service;
 use messages::level::LevelLog;
+use messages::{Origin, Service};
 use runtime::{Checkpoint, Group, Runtime, RuntimeError, ServiceCounts};
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +28,8 @@ pub(super) struct Snapshot<R = Referee, L = LevelLog> {
     braking: Option<brake::Snapshot>,
     plane: Option<lateral::State>,
     counted: Counted,
+    last_radar: Option<Origin>,
+    undelivered: u64,
     levels: L,
 }
 
@@ -48,6 +50,7 @@ pub fn last_known(group: &Group) -> Option<PlantReport> {
         duration_s: kept.time_s,
         control: kept.referee.figures().clone(),
         aebs: kept.braking.map(|braking| braking.figures),
+        undelivered_commands: kept.undelivered,
         ..counted(times().unwrap_or_default(), &kept.counted, &kept.levels)
     })
 }
@@ -75,8 +78,8 @@ fn times(control: &Chains, brake: Option<&Chains>, signals: &SignalChain) -> Pla
 fn counted(report: PlantReport, counted: &Counted, levels: &LevelLog) -> PlantReport {
     PlantReport {
         rungs: levels.report(),
-        max_command_gap_us: counted.longest_gap_us(),
-        undelivered_commands: counted.undelivered,
+        max_command_gap_us: (counted.longest_gap_ns > 0)
+            .then_some(counted.longest_gap_ns as f64 / 1e3),
         commands_due: counted.timeliness.due,
         commands_missed: counted.timeliness.missed,
         ..report
@@ -100,7 +103,9 @@ impl Plant {
         }
         self.levels = kept.levels;
         self.time_s = kept.time_s;
-        self.control.restore(&kept.counted);
+        self.control.counted = kept.counted;
+        self.control.chains.last_radar = kept.last_radar;
+        self.control.delivery.undelivered = kept.undelivered;
     }
 
     pub(super) fn keep(&mut self, step: u64) -> Result<(), RuntimeError> {
@@ -114,7 +119,9 @@ impl Plant {
             request_mps2: self.request_mps2,
             braking: self.braking.as_ref().map(Braking::snapshot),
             plane: self.plane.as_ref().map(|plane| plane.lateral.state),
-            counted: self.control.counted(),
+            counted: self.control.counted,
+            last_radar: self.control.chains.last_radar,
+            undelivered: self.control.delivery.undelivered,
             levels: &self.levels,
         })
     }
@@ -139,7 +146,8 @@ impl Plant {
             duration_s: self.time_s,
             control,
             aebs: self.braking.as_ref().map(|braking| braking.account.figures.clone()),
-            ..counted(times, &self.control.counted(), &self.levels)
+            undelivered_commands: self.control.delivery.undelivered,
+            ..counted(times, &self.control.counted, &self.levels)
         }
     }
 }

@@ -20,7 +20,7 @@ pub fn table(summary: &Summary) -> Table {
         ("Reaction time, radar to first actuation", timing.reaction_time_us),
         ("… software overhead only", timing.net_reaction_us),
         ("… radar to start of the control cycle", hops.radar_to_controller),
-        ("… control cycle to its command", hops.controller_compute),
+        ("… control cycle to its command", hops.parts.controller_compute),
         ("… command to actuation", hops.controller_to_plant),
         ("Data age at every actuation", timing.data_age_us),
         ("Release jitter of the controller", timing.release_jitter_us),
