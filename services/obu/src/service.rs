@@ -116,18 +116,18 @@ impl Unit {
         let period_ns = i64::from(scenario.v2x.period_ms.value()) * 1_000_000;
         let net = scenario.traffic.route().and_then(|_| scenario.road.plan());
         let axis = net.map(|plan| plan.axis().clone());
+        let station_id = keys.station_id.value();
+        let mut receiver = Receiver::new(station_id, keys.max_age_ms.value().into(), plane);
+        receiver.path = Path::new(plane, axis);
+        receiver.verdicts = Verdicts::open(runtime.figures())?;
+        receiver.uses_signed = keys.signed == SignedFrames::Use;
         Ok(Self {
             odometry: runtime.subscriber()?,
             frames: runtime.releasing_subscriber()?,
             spat: runtime.publisher()?,
             map: runtime.publisher()?,
             sent: runtime.publisher()?,
-            receiver: Receiver {
-                path: Path::new(plane, axis),
-                verdicts: Verdicts::open(runtime.figures())?,
-                uses_signed: keys.signed == SignedFrames::Use,
-                ..Receiver::new(keys.station_id.value(), keys.max_age_ms.value().into(), plane)
-            },
+            receiver,
             awareness: Awareness::of(scenario),
             clock_error: ClockError {
                 offset_ms: keys.clock_offset_ms.value(),
