@@ -88,7 +88,8 @@ fn figures(numbers: &Numbers) -> Vec<f64> {
 
 fn drive(condition: Condition, numbers: &Numbers, sums: &mut [f64]) {
     let plane = road_plane(&Origin::default());
-    let mut receiver = Receiver::with(4711, 500, plane, numbers);
+    let mut receiver = Receiver::new(4711, 500, plane);
+    receiver.numbers = *numbers;
     let replaced = condition == Condition::Replaced;
     for ms in (0..END_MS).step_by(STEP_MS as usize) {
         let ego_m = SPEED_MPS * ms as f64 / 1e3;

@@ -1,12 +1,11 @@
 //! An intersection from its frames: its map, and the timing of its signals from each sender.
 
 use crate::clock::Moment;
-use crate::known_map::KnownMap;
+use crate::known_map::{KnownMap, Told};
 use crate::lanes::StopLine;
 use crate::numbers::{Numbers, nanoseconds};
 use crate::timing::{Timing, every_group};
 use crate::verdict::Verdict;
-use its::mapem::IntersectionGeometry;
 use its::spatem::IntersectionState;
 
 /// Most senders of one intersection.
@@ -17,7 +16,7 @@ const LINE_BEFORE_UNIT_M: f64 = 30.0;
 const NO_GROUP: u8 = 0;
 
 /// An intersection, as its frames describe it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Intersection {
     pub id: u16,
     /// Frames about it.
@@ -52,17 +51,7 @@ struct Sender {
 impl Intersection {
     /// An intersection before its first frame.
     pub fn new(id: u16, now_ns: i64) -> Self {
-        Self {
-            id,
-            frames: 0,
-            first_ns: now_ns,
-            heard_ns: now_ns,
-            map: None,
-            elsewhere: 0,
-            unit_m: None,
-            senders: Vec::new(),
-            certain_ns: None,
-        }
+        Self { id, first_ns: now_ns, heard_ns: now_ns, ..Self::default() }
     }
 
     /// Notes any frame about it, from a unit at `unit_m` on the vehicle's path.
@@ -152,30 +141,24 @@ impl Intersection {
         let told = |line: &StopLine| {
             state.movements.iter().any(|movement| movement.signal_group == line.signal_group)
         };
-        let is_whole = map.lines.iter().all(told);
+        let is_whole = map.accepted.lines.iter().all(told);
         self.renew(moment.now_ns, numbers);
         if is_whole { Verdict::Accepted } else { Verdict::MissingLane }
     }
 
-    /// Takes a map, with its lines on the vehicle's path.
-    pub fn take_map(
-        &mut self,
-        station: u32,
-        geometry: &IntersectionGeometry,
-        lines: Vec<StopLine>,
-        now_ns: i64,
-        numbers: &Numbers,
-    ) -> Verdict {
-        if lines.is_empty() {
+    /// Takes a map.
+    pub fn take_map(&mut self, told: Told, now_ns: i64, numbers: &Numbers) -> Verdict {
+        if told.lines.is_empty() {
             self.elsewhere += 1;
             return Verdict::MissingLane;
         }
+        let (station, revision) = (told.station, told.geometry.revision);
         let is_announced = (self.senders.iter())
-            .any(|sender| sender.station == station && sender.revision == geometry.revision);
+            .any(|sender| sender.station == station && sender.revision == revision);
         let is_taken = match &mut self.map {
-            Some(map) => map.take(station, now_ns, geometry, lines, is_announced),
+            Some(map) => map.take(told, now_ns, is_announced),
             None => {
-                self.map = Some(KnownMap::new(station, now_ns, geometry.clone(), lines));
+                self.map = Some(KnownMap::new(told, now_ns));
                 true
             }
         };

@@ -11,6 +11,7 @@
 
 use crate::clock::Moment;
 use crate::intersection::Intersection;
+use crate::known_map::Told;
 use crate::lanes::{Path, StopLine, stop_lines};
 use crate::numbers::Numbers;
 use crate::signers::Signers;
@@ -38,7 +39,7 @@ const MOST_INTERSECTIONS: usize = 64;
 /// The intersections that the unit has, and its verdicts on the frames.
 #[derive(Debug)]
 pub struct Receiver {
-    numbers: Numbers,
+    pub numbers: Numbers,
     station_id: u32,
     max_age_ms: i64,
     /// The road, or a way through a net.
@@ -56,13 +57,8 @@ pub struct Receiver {
 impl Receiver {
     /// A unit before its first frame, on a road that is the axis of `plane`.
     pub fn new(station_id: u32, max_age_ms: i64, plane: Plane) -> Self {
-        Self::with(station_id, max_age_ms, plane, &Numbers::DEFAULT)
-    }
-
-    /// The same with other numbers, for studies of their effect.
-    pub fn with(station_id: u32, max_age_ms: i64, plane: Plane, numbers: &Numbers) -> Self {
         Self {
-            numbers: *numbers,
+            numbers: Numbers::DEFAULT,
             station_id,
             max_age_ms,
             path: Path::new(plane, None),
@@ -207,7 +203,8 @@ impl Receiver {
             let verdict = match self.intersection(geometry.id, moment.now_ns) {
                 Some(known) if is_sent_now || is_usable && known.map.is_none() => {
                     known.note(moment.now_ns, unit_m);
-                    known.take_map(mapem.station_id, geometry, lines, moment.now_ns, &numbers)
+                    let (station, geometry) = (mapem.station_id, geometry.clone());
+                    known.take_map(Told { station, geometry, lines }, moment.now_ns, &numbers)
                 }
                 Some(_) => Verdict::TooOld,
                 None => Verdict::UnknownIntersection,

@@ -20,47 +20,45 @@ pub struct Ahead {
 }
 
 /// A quantity along the road that a map has as means over its cells.
-pub trait Mapped {
-    /// Sets the errors of this quantity apart from those of others.
-    const STREAM: u64;
-
-    fn mean(&self, from_m: f64, length_m: f64) -> f64;
-
-    fn falsified(exact: f64, error: f64) -> f64;
-}
-
-/// Grades; an error is added.
-impl Mapped for GradeProfile {
-    const STREAM: u64 = 0;
-
-    fn mean(&self, from_m: f64, length_m: f64) -> f64 {
-        self.mean_grade(from_m, from_m + length_m)
-    }
-
-    fn falsified(exact: f64, error: f64) -> f64 {
-        exact + error
-    }
-}
-
-/// Curvatures; an error is in proportion to them.
-impl Mapped for Axis {
-    const STREAM: u64 = 0xc0_97e5;
-
-    fn mean(&self, from_m: f64, length_m: f64) -> f64 {
-        // A mean curvature is the change of the heading.
-        let begin = self.heading_rad(from_m);
-        let turn = self.heading_rad(from_m + length_m) - begin;
-        libm::remainder(turn, std::f64::consts::TAU) / length_m
-    }
-
-    fn falsified(exact: f64, error: f64) -> f64 {
-        exact * (1.0 + error)
-    }
-}
-
 #[derive(Clone, Debug)]
-pub struct CellMap<R> {
-    road: R,
+enum Quantity {
+    Grade(GradeProfile),
+    Curvature(Axis),
+}
+
+impl Quantity {
+    fn mean(&self, from_m: f64, length_m: f64) -> f64 {
+        match self {
+            Self::Grade(road) => road.mean_grade(from_m, from_m + length_m),
+            // A mean curvature is the change of the heading.
+            Self::Curvature(road) => {
+                let turn = road.heading_rad(from_m + length_m) - road.heading_rad(from_m);
+                libm::remainder(turn, std::f64::consts::TAU) / length_m
+            }
+        }
+    }
+
+    /// A mean with an error, which is added to a grade, and in proportion to a curvature.
+    fn falsified(&self, exact: f64, error: f64) -> f64 {
+        match self {
+            Self::Grade(_) => exact + error,
+            Self::Curvature(_) => exact * (1.0 + error),
+        }
+    }
+
+    /// Sets the errors of one quantity apart from those of the other.
+    fn stream(&self) -> u64 {
+        match self {
+            Self::Grade(_) => 0,
+            Self::Curvature(_) => 0xc0_97e5,
+        }
+    }
+}
+
+/// The map of one quantity.
+#[derive(Clone, Debug)]
+pub struct CellMap {
+    quantity: Quantity,
     cell_m: f64,
     shift_m: f64,
     noise: f64,
@@ -68,32 +66,25 @@ pub struct CellMap<R> {
     seed: u64,
 }
 
-pub type GradeMap = CellMap<GradeProfile>;
-pub type CurveMap = CellMap<Axis>;
-
-impl GradeMap {
-    /// The map of a scenario's road.
+impl CellMap {
+    /// The map of the grades of a scenario's road.
     ///
     /// # Errors
     /// A [`Problem`] if the scenario's road is not valid.
-    pub fn new(scenario: &Scenario) -> Result<Self, Problem> {
-        Ok(Self::of(scenario.road.profile()?, NUMBERS.cell_m, scenario))
+    pub fn of_grades(scenario: &Scenario) -> Result<Self, Problem> {
+        Ok(Self::of(Quantity::Grade(scenario.road.profile()?), NUMBERS.cell_m, scenario))
     }
-}
 
-impl CurveMap {
-    /// The map of a scenario's road; `None` without a plan.
-    pub fn new(scenario: &Scenario) -> Option<Self> {
+    /// The map of the curves of a scenario's road; `None` without a plan.
+    pub fn of_curves(scenario: &Scenario) -> Option<Self> {
         let axis = scenario.road.plan()?.axis().clone();
-        Some(Self::of(axis, NUMBERS.curve_cell_m, scenario))
+        Some(Self::of(Quantity::Curvature(axis), NUMBERS.curve_cell_m, scenario))
     }
-}
 
-impl<R: Mapped> CellMap<R> {
-    fn of(road: R, cell_m: f64, scenario: &Scenario) -> Self {
+    fn of(quantity: Quantity, cell_m: f64, scenario: &Scenario) -> Self {
         let faults = scenario.v2x.preview;
         Self {
-            road,
+            quantity,
             cell_m,
             shift_m: faults.shift_m.value(),
             noise: faults.noise_percent.value() / 100.0,
@@ -127,13 +118,17 @@ impl<R: Mapped> CellMap<R> {
     }
 
     fn mean(&self, cell: f64) -> f64 {
-        let exact = self.road.mean(cell * self.cell_m - self.shift_m, self.cell_m);
-        if self.noise == 0.0 { exact } else { R::falsified(exact, self.noise * self.error(cell)) }
+        let exact = self.quantity.mean(cell * self.cell_m - self.shift_m, self.cell_m);
+        match self.noise {
+            0.0 => exact,
+            noise => self.quantity.falsified(exact, noise * self.error(cell)),
+        }
     }
 
     /// A standard normal number for each cell, always the same for one seed.
     fn error(&self, cell: f64) -> f64 {
-        let stream = (cell as i64).unsigned_abs().wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ R::STREAM;
+        let place = (cell as i64).unsigned_abs().wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let stream = place ^ self.quantity.stream();
         random::normal(&mut Pcg64::seed_from_u64(self.seed.wrapping_add(stream)))
     }
 }
@@ -146,34 +141,35 @@ mod tests {
     mod grades {
         use super::*;
 
-        fn ahead(map: &GradeMap, ego_m: f64) -> (Ahead, [f64; MAX_PREVIEW_CELLS]) {
+        fn ahead(map: &CellMap, ego_m: f64) -> (Ahead, [f64; MAX_PREVIEW_CELLS]) {
             let mut grades = [0.0; MAX_PREVIEW_CELLS];
             let ahead = map.ahead(ego_m, &mut grades);
             (ahead, grades)
         }
 
-        fn grades(map: &GradeMap, ego_m: f64) -> [f64; MAX_PREVIEW_CELLS] {
+        fn grades(map: &CellMap, ego_m: f64) -> [f64; MAX_PREVIEW_CELLS] {
             ahead(map, ego_m).1
         }
 
-        fn map(keys: &str) -> GradeMap {
+        fn map(keys: &str) -> CellMap {
             let text = format!(
                 "schema_version = 1\nname = \"hills\"\nplant.vehicle = \"jh6-49t\"\n\
                  road.builtin = \"hills-60km\"\n{keys}\n"
             );
-            GradeMap::new(&Scenario::parse("hills", &text).expect("a right scenario"))
+            CellMap::of_grades(&Scenario::parse("hills", &text).expect("a right scenario"))
                 .expect("a road")
         }
 
         #[test]
         fn two_kilometres_ahead_are_known_from_anywhere_in_a_cell() {
             let map = map("");
+            let Quantity::Grade(road) = &map.quantity else { panic!("a map of grades") };
             for ego_m in [0.0, 49.9, 1234.5] {
                 let (ahead, grades) = ahead(&map, ego_m);
                 assert!(ahead.first_cell_m <= ego_m && ego_m < ahead.first_cell_m + map.cell_m());
                 assert!(ahead.first_cell_m + ahead.count as f64 * map.cell_m() >= ego_m + 2000.0);
                 let middle_m = ahead.first_cell_m + 10.5 * map.cell_m();
-                assert!((grades[10] - map.road.grade(middle_m)).abs() < 1e-12);
+                assert!((grades[10] - road.grade(middle_m)).abs() < 1e-12);
             }
         }
 
@@ -201,17 +197,17 @@ mod tests {
         use super::*;
 
         /// 300 m straight, 80 m to a radius of 500 m, 400 m of that to the left.
-        fn map(keys: &str) -> CurveMap {
+        fn map(keys: &str) -> CellMap {
             let text = format!(
                 "schema_version = 1\nname = \"bend\"\n{keys}\n[road.plan]\npieces = [{{ line_m = 300 }}, \
                  {{ spiral_m = 80 }}, {{ arc_m = 400, radius_m = 500, turn = \"left\" }}, {{ spiral_m = 80 }}, \
                  {{ line_m = 2000 }}]\n"
             );
             let scenario = Scenario::parse("bend", &text).unwrap_or_else(|error| panic!("{error}"));
-            CurveMap::new(&scenario).expect("it has a plan")
+            CellMap::of_curves(&scenario).expect("it has a plan")
         }
 
-        fn ahead(map: &CurveMap, ego_m: f64) -> (Ahead, [f64; MAX_CURVE_CELLS]) {
+        fn ahead(map: &CellMap, ego_m: f64) -> (Ahead, [f64; MAX_CURVE_CELLS]) {
             let mut curvatures = [0.0; MAX_CURVE_CELLS];
             let ahead = map.ahead(ego_m, &mut curvatures);
             (ahead, curvatures)
@@ -251,7 +247,7 @@ mod tests {
                 { line_m = 300 }]\n";
             let scenario =
                 Scenario::parse("circle", text).unwrap_or_else(|error| panic!("{error}"));
-            let map = CurveMap::new(&scenario).expect("it has a plan");
+            let map = CellMap::of_curves(&scenario).expect("it has a plan");
             let (_, curvatures) = ahead(&map, 150.0);
             assert!(curvatures[..24].iter().all(|k| (k + 0.008).abs() < 1e-9), "{curvatures:?}");
         }
@@ -260,7 +256,8 @@ mod tests {
         fn a_road_without_a_plan_has_no_map_of_curves() {
             let text = "schema_version = 1\nname = \"straight\"\n";
             assert!(
-                CurveMap::new(&Scenario::parse("straight", text).expect("a scenario")).is_none()
+                CellMap::of_curves(&Scenario::parse("straight", text).expect("a scenario"))
+                    .is_none()
             );
         }
     }

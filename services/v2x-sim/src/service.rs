@@ -1,7 +1,7 @@
 //! The roadside unit's loop: present and coming phases, by radio and as ground truth.
 
 use crate::air::Air;
-use crate::cell_map::{Ahead, CurveMap, GradeMap};
+use crate::cell_map::{Ahead, CellMap};
 use crate::frames::Frames;
 use crate::link::Link;
 use crate::report::LinkReport;
@@ -211,7 +211,7 @@ impl Radio {
 
 /// The map of the road, for a truck's controller.
 struct Previews {
-    map: GradeMap,
+    map: CellMap,
     speed_limit_mps: f64,
     publisher: Publisher<Preview>,
 }
@@ -221,7 +221,7 @@ impl Previews {
         if !scenario.plant.vehicle.is_truck() {
             return Ok(None);
         }
-        let map = GradeMap::new(scenario)?;
+        let map = CellMap::of_grades(scenario)?;
         let speed_limit_mps = scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value());
         Ok(Some(Self { map, speed_limit_mps, publisher: runtime.publisher()? }))
     }
@@ -242,7 +242,7 @@ impl Previews {
 
 /// The map of the road's curves, on a road with a plan.
 struct Bends {
-    map: CurveMap,
+    map: CellMap,
     /// The curvatures known from the ego's cell on: the same all along that cell.
     known: Option<(f64, Ahead)>,
     curvatures: [f64; MAX_CURVE_CELLS],
@@ -251,7 +251,7 @@ struct Bends {
 
 impl Bends {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Option<Self>, RuntimeError> {
-        let Some(map) = CurveMap::new(scenario) else { return Ok(None) };
+        let Some(map) = CellMap::of_curves(scenario) else { return Ok(None) };
         let curvatures = [0.0; MAX_CURVE_CELLS];
         Ok(Some(Self { map, known: None, curvatures, publisher: runtime.publisher()? }))
     }

@@ -55,7 +55,7 @@ pub struct ClockComparison {
 /// The exchanges with one host.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Comparison {
-    numbers: Numbers,
+    pub(crate) numbers: Numbers,
     last: Vec<Exchange>,
     next: usize,
     answers: u64,
@@ -92,11 +92,6 @@ impl Exchange {
 }
 
 impl Comparison {
-    /// No exchange yet, with the numbers of a table.
-    pub(crate) fn with(numbers: Numbers) -> Self {
-        Self { numbers, ..Self::default() }
-    }
-
     /// Adds an exchange; false if its stamps are impossible.
     pub(crate) fn take(&mut self, exchange: Exchange) -> bool {
         let is_ordered = exchange.returned_ns >= exchange.asked_ns

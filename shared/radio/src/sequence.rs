@@ -8,7 +8,7 @@ const WINDOW: u64 = 64;
 /// The received numbers of one sender.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sequence {
-    numbers: Numbers,
+    pub(crate) numbers: Numbers,
     first: u64,
     highest: u64,
     /// Bit k: `highest - k` was received.
@@ -34,11 +34,6 @@ fn follows(last: u64, number: u64) -> bool {
 }
 
 impl Sequence {
-    /// No number yet, with the limits of a table.
-    pub(crate) fn with(numbers: Numbers) -> Self {
-        Self { numbers, ..Self::default() }
-    }
-
     /// Adds a number; true for a frame that was not received before.
     pub(crate) fn take(&mut self, number: u64) -> bool {
         if self.received == 0 {
