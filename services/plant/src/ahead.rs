@@ -62,36 +62,31 @@ impl Lengths {
         };
         self.ego_m + length_m
     }
-}
 
-/// The nearest vehicle ahead in the ego's lane at `time_s`, each moved on from its sample at
-/// constant acceleration. One whose body overlaps with the ego's, from whichever side it came, counts: its gap is
-/// negative.
-pub(crate) fn ahead(
-    truth: &AllVehicles,
-    lengths: &Lengths,
-    position_m: f64,
-    time_s: f64,
-) -> Option<Ahead> {
-    let age_s = time_s - truth.header.acquisition_ns as f64 / 1e9;
-    let count = truth.vehicles.len();
-    (truth.vehicles.iter().enumerate())
-        .filter(|(_, vehicle)| vehicle.in_lane != 0)
-        .map(|(index, vehicle)| {
-            let (v, a) = (vehicle.speed_mps, vehicle.acceleration_mps2);
-            // Braking ends at standstill.
-            let moving_s = if a < 0.0 { age_s.min(v / -a) } else { age_s };
-            let ahead = Ahead {
-                gap_m: vehicle.rear_position_m + v * moving_s + 0.5 * a * moving_s * moving_s
-                    - position_m,
-                speed_mps: v + a * moving_s,
-                acceleration_mps2: a,
-            };
-            (lengths.beside_m(index, count), ahead)
-        })
-        .filter(|(beside_m, ahead)| ahead.gap_m > -beside_m)
-        .map(|(_, ahead)| ahead)
-        .min_by(|a, b| a.gap_m.total_cmp(&b.gap_m))
+    /// The nearest vehicle ahead of an ego at `position_m` in its lane at `time_s`, each moved on from its sample at
+    /// constant acceleration. One whose body overlaps with the ego's, from whichever side it came, counts: its gap is
+    /// negative.
+    pub(crate) fn ahead(&self, truth: &AllVehicles, position_m: f64, time_s: f64) -> Option<Ahead> {
+        let age_s = time_s - truth.header.acquisition_ns as f64 / 1e9;
+        let count = truth.vehicles.len();
+        (truth.vehicles.iter().enumerate())
+            .filter(|(_, vehicle)| vehicle.in_lane != 0)
+            .map(|(index, vehicle)| {
+                let (v, a) = (vehicle.speed_mps, vehicle.acceleration_mps2);
+                // Braking ends at standstill.
+                let moving_s = if a < 0.0 { age_s.min(v / -a) } else { age_s };
+                let ahead = Ahead {
+                    gap_m: vehicle.rear_position_m + v * moving_s + 0.5 * a * moving_s * moving_s
+                        - position_m,
+                    speed_mps: v + a * moving_s,
+                    acceleration_mps2: a,
+                };
+                (self.beside_m(index, count), ahead)
+            })
+            .filter(|(beside_m, ahead)| ahead.gap_m > -beside_m)
+            .map(|(_, ahead)| ahead)
+            .min_by(|a, b| a.gap_m.total_cmp(&b.gap_m))
+    }
 }
 
 #[cfg(test)]
@@ -132,11 +127,11 @@ mod tests {
         truth.vehicles.push(vehicle(0, 20.0, 10.0, 0.0));
         truth.vehicles.push(vehicle(1, 30.0, 1.0, -2.0));
         let lengths = lengths(&[4.0, 4.0, 4.0]);
-        let at = |time_s| ahead(&truth, &lengths, 10.0, time_s).expect("two are in lane");
+        let at = |time_s| lengths.ahead(&truth, 10.0, time_s).expect("two are in lane");
         assert_eq!((at(0.0).gap_m, at(0.0).speed_mps), (20.0, 1.0));
         // Stops after 0.5 s and 0.25 m.
         assert_eq!((at(2.0).gap_m, at(2.0).speed_mps), (20.25, 0.0));
-        assert_eq!(ahead(&truth, &lengths, 100.0, 0.0), None, "all are behind");
+        assert_eq!(lengths.ahead(&truth, 100.0, 0.0), None, "all are behind");
     }
 
     #[test]
@@ -146,7 +141,7 @@ mod tests {
         truth.vehicles[0].rear_position_m = 300.0;
         (truth.vehicles[1].in_lane, truth.vehicles[1].rear_position_m) = (1, 91.0);
         let gap = |lengths: &Lengths, position_m| {
-            ahead(&truth, lengths, position_m, 0.0).map(|ahead| ahead.gap_m)
+            lengths.ahead(&truth, position_m, 0.0).map(|ahead| ahead.gap_m)
         };
         // The ego is 5 m long. Its rear is at 95 m, and the front of a vehicle of 4.1 m at 95.1 m.
         let long = lengths(&[12.0, 4.1]);
@@ -169,7 +164,7 @@ mod tests {
             acceleration_mps2: 1.0,
             lateral_m: 0.0,
         });
-        let found = ahead(&truth, &lengths(&[4.0]), 10.0, 3.0).expect("it is in lane");
+        let found = lengths(&[4.0]).ahead(&truth, 10.0, 3.0).expect("it is in lane");
         assert_eq!((found.gap_m, found.speed_mps, found.acceleration_mps2), (72.0, 12.0, 1.0));
     }
 }

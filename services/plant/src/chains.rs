@@ -58,9 +58,6 @@ pub(crate) struct Chains {
 impl Chains {
     /// The chains of `path` that `figures` has, none before the run. A control cycle is late if its command comes
     /// `deadline_ns` after its release.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if shared memory has no room for them.
     pub(crate) fn open(
         deadline_ns: i64,
         path: &str,

@@ -27,9 +27,6 @@ pub(crate) enum Snapshot {
 
 impl Ego {
     /// The ego of a scenario at its start.
-    ///
-    /// # Errors
-    /// If the scenario's road is not valid, or the unit does not start.
     pub(crate) fn new(scenario: &Scenario) -> Result<Self, RuntimeError> {
         if let Some(unit) = &scenario.plant.fmu {
             return Ok(Self::Unit(Box::new(UnitCar::open(scenario, unit)?)));
@@ -67,11 +64,8 @@ impl Ego {
         }
     }
 
-    /// Moves on by one period of the plant, with the emergency brake's ceiling on the acceleration,
-    /// m/s².
-    ///
-    /// # Errors
-    /// In simulated time, when a unit fails.
+    /// Moves on by one period of the plant, with the emergency brake's ceiling on the acceleration, m/s². A unit that
+    /// fails is an error in simulated time.
     pub(crate) fn step(
         &mut self,
         actuation: &Actuation,

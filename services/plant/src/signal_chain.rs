@@ -29,9 +29,6 @@ pub(crate) struct SignalChain {
 
 impl SignalChain {
     /// The changes that `figures` has, none before the run.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if shared memory has no room for them.
     pub(crate) fn open(figures: &Figures) -> Result<Self, RuntimeError> {
         let mut parts: [Latencies; NAMES.len()] = Default::default();
         for (part, name) in parts.iter_mut().zip(NAMES) {

@@ -1,7 +1,7 @@
 //! Surroundings of the ego by the ground truth. Faults that wait for a phase of the drive use them, and so does a
 //! campaign's account of its drives. The referee uses the vehicle ahead. No law and no service that drives uses it.
 
-use crate::ahead::{Ahead, Lengths, ahead};
+use crate::ahead::Lengths;
 use crate::longitudinal::State;
 use crate::numbers::Numbers;
 use crate::referee::shown;
@@ -29,7 +29,7 @@ const PHASE_CLOSING_MPS: f64 = 0.1;
 #[derive(Clone, Debug)]
 pub struct Surroundings {
     numbers: Numbers,
-    lengths: Lengths,
+    pub(crate) lengths: Lengths,
     /// The sample before the newest one.
     last: AllVehicles,
     has_last: bool,
@@ -59,7 +59,8 @@ impl Surroundings {
         if let Some(vehicles) = vehicles {
             self.observe(state, vehicles);
         }
-        let ahead = vehicles.and_then(|vehicles| self.ahead(vehicles, state.position_m, time_s));
+        let ahead =
+            vehicles.and_then(|vehicles| self.lengths.ahead(vehicles, state.position_m, time_s));
         let closing_mps = ahead.map_or(0.0, |ahead| state.speed_mps - ahead.speed_mps);
         let time_to_collision_s = match ahead {
             Some(ahead) if closing_mps > PHASE_CLOSING_MPS => ahead.gap_m.max(0.0) / closing_mps,
@@ -69,16 +70,6 @@ impl Surroundings {
             .and_then(|signals| next_line(signals, state.position_m, time_s))
             .unwrap_or((f64::INFINITY, 0));
         Meets { time_to_collision_s, stop_line_m, signal_state, cut_in: self.cut_in }
-    }
-
-    /// The vehicle ahead of an ego at `position_m`, or in contact with it.
-    pub(crate) fn ahead(
-        &self,
-        vehicles: &AllVehicles,
-        position_m: f64,
-        time_s: f64,
-    ) -> Option<Ahead> {
-        ahead(vehicles, &self.lengths, position_m, time_s)
     }
 
     fn observe(&mut self, state: &State, now: &AllVehicles) {

@@ -107,10 +107,7 @@ impl UnitCar {
         self.own.place(position_m);
     }
 
-    /// Moves on by one period under a request, m/s².
-    ///
-    /// # Errors
-    /// In simulated time, when the unit fails.
+    /// Moves on by one period under a request, m/s². A unit that fails is an error in simulated time.
     pub(crate) fn step(&mut self, request_mps2: f64, moment: Moment) -> Result<(), RuntimeError> {
         let before = self.own.state();
         let (throttle, brake) = self.pedals.press(request_mps2, &before, self.period_s);

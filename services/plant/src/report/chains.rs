@@ -23,23 +23,14 @@ pub struct Parts<T> {
 }
 
 impl<T> From<[T; 7]> for Parts<T> {
-    fn from(parts: [T; 7]) -> Self {
-        let [
-            radar_publish,
-            controller_queue,
-            radar_transport,
-            controller_compute,
-            command_wait,
-            command_transport,
-            actuate,
-        ] = parts;
+    fn from([publish, queue, transport, compute, wait, wake, actuate]: [T; 7]) -> Self {
         Self {
-            radar_publish,
-            controller_queue,
-            radar_transport,
-            controller_compute,
-            command_wait,
-            command_transport,
+            radar_publish: publish,
+            controller_queue: queue,
+            radar_transport: transport,
+            controller_compute: compute,
+            command_wait: wait,
+            command_transport: wake,
             actuate,
         }
     }

@@ -76,8 +76,9 @@ impl World {
         plane: Option<&Plane>,
     ) -> Option<Violation> {
         let vehicles = self.has_newest.then_some(&self.newest);
-        let ahead = vehicles
-            .and_then(|newest| self.surroundings.ahead(newest, ego.position_m, release.time_s));
+        let ahead = vehicles.and_then(|newest| {
+            self.surroundings.lengths.ahead(newest, ego.position_m, release.time_s)
+        });
         let now_ns = release.scheduled_ns.unsigned_abs();
         let in_plane = plane.map(|plane| plane.sample(release, ego, vehicles));
         let shown = self.signals.newest().into_iter().flat_map(referee::SignalTruth::all);
