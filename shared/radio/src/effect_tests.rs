@@ -54,7 +54,8 @@ fn compare(numbers: &Numbers, seed: u64, sums: &mut Sums) {
         0.002 + rest_s + if random::uniform(&mut generator) < 0.05 { 0.04 } else { 0.0 }
     };
     let offset_s = |now_s: f64| 7.0 + 1e-6 * DRIFT_PPM * now_s;
-    let mut clock = Comparison { numbers: *numbers, ..Comparison::default() };
+    let mut clock = Comparison::default();
+    clock.numbers = *numbers;
     let (mut ask_at_s, mut asked, mut answers) = (0.0, 0, Vec::new());
     for now_s in (1..(10.0 * DURATION_S) as u64).map(|k| 0.1 * k as f64) {
         while ask_at_s < now_s {
@@ -95,7 +96,8 @@ fn compare(numbers: &Numbers, seed: u64, sums: &mut Sums) {
 /// New frames that are refused.
 fn refused(numbers: &Numbers) -> f64 {
     let mut generator = Pcg64::seed_from_u64(1);
-    let mut sequence = Sequence { numbers: *numbers, ..Sequence::default() };
+    let mut sequence = Sequence::default();
+    sequence.numbers = *numbers;
     let (mut sent, mut late) = (Vec::new(), Vec::<(usize, u64)>::new());
     for k in 0..20_000_usize {
         let number = match k {
