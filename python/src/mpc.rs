@@ -143,7 +143,8 @@ impl Mpc {
         self.last.map(|report| {
             let residuals = report.residuals;
             let of = (residuals.stationarity, residuals.complementarity, residuals.feasibility);
-            (report.iterations, report.objective, of.0, of.1, of.2)
+            let cost = self.problem.objective(self.solver.inputs(), self.solver.states());
+            (report.iterations, cost, of.0, of.1, of.2)
         })
     }
 }

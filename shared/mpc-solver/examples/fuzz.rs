@@ -141,7 +141,7 @@ fn check(problem: &Problem, solver: &Riccati, report: &Report) -> Result<(), Str
         let mut states = vec![[0.0; 3]; n + 1];
         problem.roll_out(inputs, &mut states);
         let found = residuals(problem, inputs, &states, solver.multipliers());
-        if found.max() > 1e-8 || !report.objective.is_finite() {
+        if found.max() > 1e-8 || !problem.objective(inputs, &states).is_finite() {
             return Err(format!("called solved with {found:?}, {report:?}"));
         }
     }

@@ -3,6 +3,10 @@
 use crate::error::ProblemError;
 use crate::limits::{MAX_HORIZON, MAX_ROWS};
 use crate::problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Builds so far: solvers keep factors for the constants of one.
+static BUILDS: AtomicU64 = AtomicU64::new(1);
 
 /// Builder of a [`Problem`]: dynamics, input cost and bounds are required, the rest is zero or
 /// absent.
@@ -62,6 +66,7 @@ impl ProblemBuilder {
             limits: Vec::new(),
             light_stages: Vec::new(),
             light_len: 0,
+            build: 0,
         };
         Self { problem }
     }
@@ -174,6 +179,7 @@ impl ProblemBuilder {
         problem.r_lin = vec![0.0; n];
         problem.limits = problem.rows.iter().map(|row| vec![row.limit; n + 1]).collect();
         problem.check()?;
+        problem.build = BUILDS.fetch_add(1, Ordering::Relaxed);
         Ok(problem)
     }
 }

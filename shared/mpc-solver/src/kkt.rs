@@ -111,7 +111,17 @@ pub fn residuals(
     states: &[[f64; 3]],
     multipliers: &Multipliers,
 ) -> Residuals {
-    residuals_of(problem, inputs, states, multipliers)
+    residuals_of(problem, inputs, states, multipliers, false)
+}
+
+/// [`residuals`] of a point whose method has found that all rows hold without multipliers.
+pub(crate) fn residuals_without_rows(
+    problem: &Problem,
+    inputs: &[f64],
+    states: &[[f64; 3]],
+    multipliers: &Multipliers,
+) -> Residuals {
+    residuals_of(problem, inputs, states, multipliers, true)
 }
 
 #[multiversion(targets("x86_64+avx2"))]
@@ -120,6 +130,7 @@ fn residuals_of(
     inputs: &[f64],
     states: &[[f64; 3]],
     multipliers: &Multipliers,
+    rows_hold: bool,
 ) -> Residuals {
     let n = problem.horizon;
     let scale = dual_scale(problem, multipliers);
@@ -131,11 +142,26 @@ fn residuals_of(
             *slot = value;
         }
     };
-    let mut costate = multipliers.terminal;
-    add_product(&mut costate, &problem.p, &states[n]);
-    for i in 0..3 {
-        costate[i] += problem.p_lin[i];
+    // Rows behind the last one with a multiplier do not act on the costate.
+    let mut rows = multipliers.rows[..if rows_hold { 0 } else { problem.rows.len() }].iter();
+    let forced = rows.rposition(|mus| has_any(&mus[..=n])).map_or(0, |last| last + 1);
+    if forced > 0 || !rows_hold && !all_hold(problem, states) {
+        for (j, row) in problem.rows.iter().enumerate() {
+            for k in row.from..=row.to {
+                let (h, mu) = (problem.limits[j][k], multipliers.rows[j][k]);
+                let z = dot(&row.gradient, &states[k]) - h;
+                // A limit that holds without a multiplier lies on its graph: its residual is zero.
+                if (mu == 0.0 && z <= 0.0) || h == f64::INFINITY {
+                    continue;
+                }
+                worst(&mut out.complementarity, 0.0 * (z + mu));
+                let distance = row_distance(&row.softness, z, mu, h.abs().max(1.0), scale);
+                worst(&mut out.complementarity, distance);
+            }
+        }
     }
+    let at_end = |i: usize| multipliers.terminal[i] + dot(&problem.p[i], &states[n]);
+    let mut costate = [0, 1, 2].map(|i| at_end(i) + problem.p_lin[i]);
     for k in (0..=n).rev() {
         let x = &states[k];
         if k < n {
@@ -148,30 +174,18 @@ fn residuals_of(
             cancelled = cancelled.max(dot(&problem.b, &costate).abs());
             worst(&mut out.stationarity, (v.abs() / scale.max(cancelled)).min(room.max(0.0)));
             worst(&mut out.feasibility, (problem.u_min - u).max(u - problem.u_max).max(0.0));
-            let a = &problem.a;
+            // The costate of the stage ahead comes last in each sum: the next one waits for it.
+            let (a, q, s, own) = (&problem.a, &problem.q, &problem.s, &problem.q_lin[k]);
+            let own = [0, 1, 2].map(|i: usize| dot(&q[i], x) + (own[i] + s[i] * u));
             costate = [
-                a[0][0] * costate[0],
-                a[0][1] * costate[0] + a[1][1] * costate[1],
-                a[0][2] * costate[0] + a[1][2] * costate[1] + a[2][2] * costate[2],
+                a[0][0] * costate[0] + own[0],
+                a[0][1] * costate[0] + (a[1][1] * costate[1] + own[1]),
+                a[0][2] * costate[0] + (a[1][2] * costate[1] + (a[2][2] * costate[2] + own[2])),
             ];
-            add_product(&mut costate, &problem.q, x);
-            for i in 0..3 {
-                costate[i] += problem.q_lin[k][i] + problem.s[i] * u;
-            }
         }
-        for (j, row) in problem.rows.iter().enumerate() {
-            if (row.from..=row.to).contains(&k) && problem.limits[j][k] < f64::INFINITY {
-                let (h, mu) = (problem.limits[j][k], multipliers.rows[j][k]);
-                let z = dot(&row.gradient, x) - h;
-                // A limit that holds without a multiplier lies on its graph: its residual is zero.
-                if mu == 0.0 && z <= 0.0 {
-                    continue;
-                }
-                worst(&mut out.complementarity, 0.0 * (z + mu));
-                worst(
-                    &mut out.complementarity,
-                    row_distance(&row.softness, z, mu, h.abs().max(1.0), scale),
-                );
+        for (j, row) in problem.rows.iter().enumerate().take(forced) {
+            let mu = multipliers.rows[j][k];
+            if mu != 0.0 && is_bounded(problem, j, k) {
                 for i in 0..3 {
                     costate[i] += mu * row.gradient[i];
                 }
@@ -199,9 +213,58 @@ fn residuals_of(
 /// Returns the largest multiplier of a row, the light or the terminal equality, at least 1.
 fn dual_scale(problem: &Problem, multipliers: &Multipliers) -> f64 {
     let n = problem.horizon;
-    let rows = multipliers.rows[..problem.rows.len()].iter().flat_map(|row| &row[..=n]);
+    let rows = multipliers.rows[..problem.rows.len()].iter().map(|row| &row[..=n]);
     let light = &multipliers.light[..=problem.light_len];
-    rows.chain(light).chain(&multipliers.terminal).fold(1.0, |top: f64, m| top.max(m.abs()))
+    let mut top: f64 = 1.0;
+    for values in rows.chain([light, &multipliers.terminal]) {
+        if has_any(values) {
+            top = values.iter().fold(top, |top, m| top.max(m.abs()));
+        }
+    }
+    top
+}
+
+/// Returns whether any value is not zero. Mostly none is, which this loop finds faster than one with a maximum.
+#[inline(always)]
+fn has_any(values: &[f64]) -> bool {
+    values.iter().fold(false, |any, value| any | (*value != 0.0))
+}
+
+/// Returns whether all rows hold, those of a stage side by side.
+#[inline(always)]
+fn all_hold(problem: &Problem, states: &[[f64; 3]]) -> bool {
+    let mut gradient = [[0.0; MAX_ROWS]; 3];
+    let (mut from, mut to) = (problem.horizon + 1, 0);
+    for (j, row) in problem.rows.iter().enumerate() {
+        for i in 0..3 {
+            gradient[i][j] = row.gradient[i];
+        }
+        if row.from <= row.to {
+            (from, to) = (from.min(row.from), to.max(row.to));
+        }
+    }
+    let mut holds = [true; MAX_ROWS];
+    for k in from..=to {
+        let x = &states[k];
+        let mut h = [f64::INFINITY; MAX_ROWS];
+        for (j, row) in problem.rows.iter().enumerate() {
+            if k >= row.from && k <= row.to {
+                h[j] = problem.limits[j][k];
+            }
+        }
+        for j in 0..MAX_ROWS {
+            let left = gradient[0][j] * x[0] + gradient[1][j] * x[1] + gradient[2][j] * x[2];
+            // NaN holds nothing.
+            holds[j] &= left - h[j] <= 0.0;
+        }
+    }
+    holds == [true; MAX_ROWS]
+}
+
+/// Returns whether row `j` bounds stage `k`.
+fn is_bounded(problem: &Problem, j: usize, k: usize) -> bool {
+    let row = &problem.rows[j];
+    (row.from..=row.to).contains(&k) && problem.limits[j][k] < f64::INFINITY
 }
 
 /// Distance of `(z, μ)` from the graph of `∂ψ`.
@@ -221,10 +284,7 @@ fn row_distance(softness: &Softness, z: f64, mu: f64, primal: f64, dual: f64) ->
 /// Distance of `(D, α)` from the graph of `−∂φ`.
 fn light_distance(problem: &Problem, margin: f64, alpha: f64, dual: f64) -> f64 {
     let Some(light) = &problem.light else { return 0.0 };
-    let top = match light.softness {
-        Softness::Hard => f64::INFINITY,
-        Softness::Soft { linear, .. } => linear,
-    };
+    let (top, _) = light.softness.penalty();
     let d_th = light.threshold;
     if margin <= 0.0 && top == f64::INFINITY {
         return f64::INFINITY;
@@ -245,10 +305,4 @@ fn light_distance(problem: &Problem, margin: f64, alpha: f64, dual: f64) -> f64 
         f64::INFINITY
     };
     by_dual.min(by_primal)
-}
-
-fn add_product(out: &mut [f64; 3], m: &[[f64; 3]; 3], x: &[f64; 3]) {
-    for i in 0..3 {
-        out[i] += dot(&m[i], x);
-    }
 }

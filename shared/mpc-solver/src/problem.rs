@@ -16,6 +16,16 @@ pub enum Softness {
     },
 }
 
+impl Softness {
+    /// Returns `(λ, κ)`; a hard limit has an infinite `λ`.
+    pub(crate) fn penalty(self) -> (f64, f64) {
+        match self {
+            Self::Hard => (f64::INFINITY, 0.0),
+            Self::Soft { linear, quadratic } => (linear, quadratic),
+        }
+    }
+}
+
 /// A bound `g'x_k ≤ h_k` on the stages `from..=to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
@@ -123,6 +133,8 @@ pub struct Problem {
     /// `light_stages[k - 1]` is stage `k`; the first `light_len` are in force.
     pub(crate) light_stages: Vec<LightStage>,
     pub(crate) light_len: usize,
+    /// Number of the build: problems with one number have the same constants.
+    pub(crate) build: u64,
 }
 
 impl Problem {
@@ -195,13 +207,13 @@ impl Problem {
     /// The first [`ProblemError`] found.
     pub fn check(&self) -> Result<(), ProblemError> {
         // 0·x is zero for a finite x and NaN otherwise. One sum needs no branch per number.
-        let mut sum = 0.0;
-        for x in self.x0.iter().chain(&self.p_lin) {
-            sum += 0.0 * x;
-        }
-        for k in 0..self.horizon {
-            let (d, q) = (&self.d[k], &self.q_lin[k]);
-            sum += 0.0 * (d[0] + d[1] + d[2] + q[0] + q[1] + q[2] + self.r_lin[k]);
+        let mut sum = self.x0.iter().map(|x| 0.0 * x).sum::<f64>();
+        if self.has_linear_terms() {
+            sum += self.p_lin.iter().map(|x| 0.0 * x).sum::<f64>();
+            for k in 0..self.horizon {
+                let (d, q) = (&self.d[k], &self.q_lin[k]);
+                sum += 0.0 * (d[0] + d[1] + d[2] + q[0] + q[1] + q[2] + self.r_lin[k]);
+            }
         }
         for stage in &self.light_stages[..self.light_len] {
             let c = &stage.gradient;
@@ -214,13 +226,23 @@ impl Problem {
             return Err(ProblemError::NotFinite("state, disturbance, gradient, light or target"));
         }
         for (row, limits) in self.rows.iter().zip(&self.limits) {
-            for h in limits.iter().take(row.to + 1).skip(row.from) {
-                if h.is_nan() || *h == f64::NEG_INFINITY {
-                    return Err(ProblemError::NotFinite("row limit"));
-                }
+            let limits = limits.get(row.from..=row.to).unwrap_or_default();
+            // NaN is above nothing.
+            if !limits.iter().fold(true, |all, h| all & (*h > f64::NEG_INFINITY)) {
+                return Err(ProblemError::NotFinite("row limit"));
             }
         }
         Ok(())
+    }
+
+    /// True if any linear cost or `d_k` is not zero.
+    pub(crate) fn has_linear_terms(&self) -> bool {
+        let n = self.horizon;
+        let any = |values: &[f64]| values.iter().fold(false, |any, x| any | (*x != 0.0));
+        any(self.d[..n].as_flattened())
+            || any(self.q_lin[..n].as_flattened())
+            || any(&self.r_lin[..n])
+            || any(&self.p_lin)
     }
 
     /// Number of steps `N`.

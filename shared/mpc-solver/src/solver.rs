@@ -42,8 +42,6 @@ pub struct Report {
     pub interior_iterations: u32,
     /// Scaled residuals of the optimality conditions at the returned point.
     pub residuals: Residuals,
-    /// Objective at the returned point, the cost of the first state included.
-    pub objective: f64,
 }
 
 /// Solver of [`Problem`]; it keeps its work memory and its last solution.

@@ -152,7 +152,7 @@ impl PaperLaw {
             }
             let report = self.solver.solve(problem, Start::Cold);
             output.solver_iterations += report.iterations;
-            output.figures[2] = report.objective;
+            output.figures[2] = problem.objective(self.solver.inputs(), self.solver.states());
             output.figures[3] = report.residuals.max();
             if usable(&report) {
                 return self.keep_plan(input, quality, output);

@@ -2,8 +2,9 @@
 
 Standard input: {"repeats", "sets"}; standard output: {"sets": [[[solver, times_us, inputs], ...], ...], "notes"}.
 
-* DAQP: the condensed problem in the inputs alone; its factors are made once, a solve gets new vectors. Its own
-  warm start from the last active set is on.
+* DAQP: the condensed problem in the inputs alone; its factors are made once, a solve gets new vectors. Three rows as
+  ours: cold (a fresh model, an empty active set), closed loop (the active set of the previous start), and again (the
+  same start once more, so that its active set is known). The caller adds the time of the vectors.
 * PIQP: the sparse problem with its multistage factorisation, and the condensed one with its dense solver.
 * OSQP: the sparse problem, set up once, warm, polished.
 
@@ -86,25 +87,25 @@ def right_side(sparse, x0):
 
 
 def measure(of, repeats, solve):
-    times, inputs = [], []
-    for x0 in of["starts"]:
-        x0, runs = np.array(x0), []
-        for _ in range(repeats):
-            seconds, u = solve(x0)
-            runs.append(seconds)
-        times.append(1e6 * sorted(runs)[len(runs) // 2])
-        inputs.append([] if u is None else [float(value) for value in u])
-    return times, inputs
+    """Goes over all starts `repeats` times, so that a solver's warm start is that of the closed loop."""
+    runs, inputs = [[] for _ in of["starts"]], []
+    for _ in range(repeats):
+        inputs = []
+        for x0, times in zip(of["starts"], runs):
+            seconds, u = solve(np.array(x0))
+            times.append(seconds)
+            inputs.append([] if u is None else [float(value) for value in u])
+    return [1e6 * sorted(times)[len(times) // 2] for times in runs], inputs
 
 
-def daqp_condensed(of, condensed, _):
+def daqp_condensed(of, condensed, start):
     import daqp
 
     n, (low, high) = of["horizon"], of["bounds"]
     rows, end = condensed["a"], condensed["end"] if of["ends_at_zero"] else np.zeros((0, n))
     matrix = np.ascontiguousarray(np.vstack([rows, end]))
     sense = np.array([0] * (n + len(rows)) + [5] * len(end), dtype=np.intc)
-    model = daqp.Model()
+    models = [daqp.Model()]
 
     def vectors(x0):
         f = condensed["f_x"] @ x0 + condensed["f_0"]
@@ -113,13 +114,19 @@ def daqp_condensed(of, condensed, _):
         lower = np.concatenate([np.full(n, low), np.full(len(rows), -1e30), ends])
         return f, upper, lower
 
-    f, upper, lower = vectors(np.array(of["starts"][0]))
-    model.setup(condensed["h"], f, matrix, upper, lower, sense)
+    def set_up(x0):
+        models[0] = daqp.Model()
+        models[0].setup(condensed["h"], *vectors(x0)[:1], matrix, *vectors(x0)[1:], sense.copy())
+
+    set_up(np.array(of["starts"][0]))
 
     def solve(x0):
+        if start == "cold":
+            set_up(x0)
         f, upper, lower = vectors(x0)
-        model.update(f=f, bupper=upper, blower=lower)
-        u, _, flag, info = model.solve()
+        for _ in range(2 if start == "again" else 1):
+            models[0].update(f=f, bupper=upper, blower=lower)
+            u, _, flag, info = models[0].solve()
         return info["solve_time"], u if flag > 0 else None
 
     return solve
@@ -205,7 +212,9 @@ def osqp_sparse(of, _, sparse):
 
 
 SOLVERS = [
-    ("DAQP, condensed", "daqp", daqp_condensed),
+    ("DAQP, cold", "daqp", lambda of, condensed, _: daqp_condensed(of, condensed, "cold")),
+    ("DAQP, closed loop", "daqp", lambda of, condensed, _: daqp_condensed(of, condensed, "closed loop")),
+    ("DAQP, again", "daqp", lambda of, condensed, _: daqp_condensed(of, condensed, "again")),
     ("PIQP, sparse multistage", "piqp", piqp_sparse),
     ("PIQP, dense condensed", "piqp", piqp_dense),
     ("OSQP, sparse, polished", "osqp", osqp_sparse),

@@ -7,7 +7,7 @@
 //! * *ball on plate*: S. Richter, "Computational complexity certification of gradient methods for real-time model
 //!   predictive control", dissertation, ETH Zurich, 2012. Section 9.6.1, variants 1 to 4
 //! * *FiOrdOs*: its example of an input- and state-constrained system, 2012; variants 1 to 3
-//! * *FORCES*: its simple unstable example, 2012; variants 1 and 2, and 1 with the horizon of variant 4
+//! * *FORCES*: its simple unstable example, 2012; variants 1 and 2, and 1 with other horizons
 //!
 //! Each has two states (the third one here is zero), an upper triangular matrix, and one input. The input and
 //! the states have bounds. A set is the sequence of problems of the closed loop from the benchmark's initial
@@ -181,7 +181,14 @@ pub(crate) fn public() -> Vec<Set> {
     let (a, b) = ([[1.1, 1.0], [0.0, 1.0]], [1.0, 0.5]);
     let riccati = terminal(a, Some(b), unit, 1.0);
     let diagonal = [[riccati[0][0], 0.0], [0.0, riccati[1][1]]];
-    for (name, horizon, p) in [("1", 9, riccati), ("2", 9, diagonal), ("1, N = 20", 20, riccati)] {
+    let forces = [
+        ("1", 9, riccati),
+        ("2", 9, diagonal),
+        ("1, N = 5", 5, riccati),
+        ("1, N = 20", 20, riccati),
+        ("1, N = 40", 40, riccati),
+    ];
+    for (name, horizon, p) in forces {
         let set = Set {
             name: format!("FORCES {name}"),
             horizon,

@@ -86,7 +86,6 @@ fn judge(problem: &Problem, solution: Option<&Solution<'_>>, iterations: u32) ->
         iterations,
         interior_iterations: 0,
         residuals,
-        objective: problem.objective(&inputs, &states),
     }
 }
 

@@ -6,12 +6,7 @@
 //!
 //! The compiler assigns four [`Lanes`] to a register when they go lane by lane to memory or to each other. Reductions
 //! at the end of a loop (sum, maximum) are functions that are not inlined. Inlined, they made the compiler pair the
-//! lanes in the order of the reduction. It then processed the loop number by number, a third slower. Loops that mix
-//! lanes at each stage are generic over [`Vector`]. They use the registers directly ([`wide`]) where the machine has
-//! them.
-
-#[cfg(target_arch = "x86_64")]
-pub(super) mod wide;
+//! lanes in the order of the reduction. It then processed the loop number by number, a third slower.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -28,12 +23,6 @@ impl Lanes {
     #[inline(always)]
     pub(super) const fn all(value: f64) -> Self {
         Self([value; WIDTH])
-    }
-
-    /// Returns the numbers of any vector.
-    #[inline(always)]
-    pub(super) fn from_vector<V: Vector>(vector: V) -> Self {
-        Self(vector.to_array())
     }
 
     /// Returns the lane-wise maximum by one instruction; `other` where `self` is NaN.
@@ -138,52 +127,9 @@ impl Neg for Lanes {
     }
 }
 
-/// Four numbers behind one interface: [`Lanes`], or the machine's register.
-pub(super) trait Vector:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
-{
-    fn from_array(numbers: [f64; WIDTH]) -> Self;
-
-    fn to_array(self) -> [f64; WIDTH];
-
-    /// Returns the same number in all lanes.
-    fn all(value: f64) -> Self;
-
-    /// Returns the number of lane `i` in all lanes.
-    #[inline(always)]
-    fn lane(self, i: usize) -> Self {
-        Self::all(self.to_array()[i])
-    }
-
-    /// Rotates the first three lanes, see [`Lanes::rotated`].
-    fn rotated(self) -> Self;
-}
-
-impl Vector for Lanes {
-    #[inline(always)]
-    fn from_array(numbers: [f64; WIDTH]) -> Self {
-        Self(numbers)
-    }
-
-    #[inline(always)]
-    fn to_array(self) -> [f64; WIDTH] {
-        self.0
-    }
-
-    #[inline(always)]
-    fn all(value: f64) -> Self {
-        Self::all(value)
-    }
-
-    #[inline(always)]
-    fn rotated(self) -> Self {
-        self.rotated()
-    }
-}
-
 /// Data that a sweep carries for each state. It is the linear part of the cost-to-go alone, or
 /// `Ψ`'s row with that part in the last lane.
-pub(super) trait Row<V>:
+pub(super) trait Row:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
     /// True if it contains `Ψ`.
@@ -196,13 +142,13 @@ pub(super) trait Row<V>:
     fn linear(value: f64) -> Self;
 
     /// Converts from four numbers.
-    fn of(lanes: V) -> Self;
+    fn of(lanes: Lanes) -> Self;
 
     /// Converts to four numbers, zero in place of an absent `Ψ`.
-    fn lanes(self) -> V;
+    fn lanes(self) -> Lanes;
 }
 
-impl<V: Vector> Row<V> for f64 {
+impl Row for f64 {
     const HAS_TERMINAL: bool = false;
 
     #[inline(always)]
@@ -216,17 +162,17 @@ impl<V: Vector> Row<V> for f64 {
     }
 
     #[inline(always)]
-    fn of(lanes: V) -> Self {
-        lanes.to_array()[3]
+    fn of(lanes: Lanes) -> Self {
+        lanes.0[3]
     }
 
     #[inline(always)]
-    fn lanes(self) -> V {
-        V::from_array([0.0, 0.0, 0.0, self])
+    fn lanes(self) -> Lanes {
+        Lanes([0.0, 0.0, 0.0, self])
     }
 }
 
-impl<V: Vector> Row<V> for V {
+impl Row for Lanes {
     const HAS_TERMINAL: bool = true;
 
     #[inline(always)]
@@ -236,16 +182,16 @@ impl<V: Vector> Row<V> for V {
 
     #[inline(always)]
     fn linear(value: f64) -> Self {
-        Self::from_array([0.0, 0.0, 0.0, value])
+        Self([0.0, 0.0, 0.0, value])
     }
 
     #[inline(always)]
-    fn of(lanes: V) -> Self {
+    fn of(lanes: Lanes) -> Self {
         lanes
     }
 
     #[inline(always)]
-    fn lanes(self) -> V {
+    fn lanes(self) -> Lanes {
         self
     }
 }

@@ -10,7 +10,7 @@
 //! search is needed. (Circuit simulators limit the steps of diodes in the same way.)
 
 use super::lanes::{Lanes, WIDTH};
-use crate::problem::{LightCost, Softness};
+use crate::problem::LightCost;
 
 /// Cap on a first tangent's margin, as a fraction of the threshold, if the trajectory without the
 /// light comes nearer. On the paper's drives 0.4 takes the fewest rounds of 0.3 to 0.6; random
@@ -63,10 +63,7 @@ pub(super) struct LightTangent {
 impl LightCurve {
     pub(super) fn new(light: &LightCost) -> Self {
         let (w, d_th) = (light.weight, light.threshold);
-        let penalty = match light.softness {
-            Softness::Hard => f64::INFINITY,
-            Softness::Soft { linear, .. } => linear,
-        };
+        let (penalty, _) = light.softness.penalty();
         let top = (w / (d_th * d_th)).min(penalty);
         let stiffness = if d_th < f64::INFINITY { 1e5 * w / (d_th * d_th * d_th) } else { 0.0 };
         Self {
@@ -224,6 +221,7 @@ impl LightTangent {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Softness;
 
     fn curve(softness: Softness) -> LightCurve {
         LightCurve::new(&LightCost { weight: 900.0, threshold: 30.0, softness })

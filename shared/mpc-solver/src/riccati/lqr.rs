@@ -32,19 +32,18 @@
 //! Numbers beyond the range of `f64` appear in the trajectory, which the callers check.
 
 mod backward;
-mod blocks;
-mod dynamics;
+mod cost;
 mod shape;
 #[cfg(test)]
 mod tests;
 
-use super::lanes::{Lanes, Vector, WIDTH};
-use super::matrix::{Factors, Rows, Symmetric};
-use crate::problem::{Problem, Terminal};
-use backward::Stages;
-pub(super) use blocks::{BlockModel, BlockModels};
+use super::lanes::{Lanes, WIDTH};
+use super::matrix::{Factors, Symmetric};
+use crate::problem::Problem;
+pub(super) use backward::{BlockModels, Unconstrained};
+pub(super) use cost::{BlockModel, Cost};
 use shape::shape_of;
-pub(super) use shape::{CHAIN, GENERAL, INTEGRATING, PLAIN, Shape};
+pub(super) use shape::{CHAIN, GENERAL, PLAIN, Shape};
 
 /// Constant part of a problem, unpacked for the recursion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,25 +59,6 @@ pub(super) struct LinearQuadratic {
     pub(super) has_disturbance: bool,
     /// True if any linear cost or `d_k` is nonzero.
     pub(super) has_linear_terms: bool,
-}
-
-/// Model of a stage's input, besides its curvature `r` and the cost of state times input.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum InputModel {
-    /// Free: curvature to add to `r`, and the gradient `ρ̂`.
-    Free(f64, f64),
-    /// Held: value and gradient.
-    Held(f64, f64),
-}
-
-/// Models that make the problem linear-quadratic.
-pub(super) trait StageModels {
-    /// Returns the model of `u_k`.
-    fn input(&self, k: usize) -> InputModel;
-
-    /// Adds the Hessian of the modelled functions of `x_k` to `hessian`; returns the gradient of
-    /// cost and models together.
-    fn state<V: Vector>(&self, k: usize, hessian: &mut Rows<V>) -> [f64; 3];
 }
 
 /// Minimising input of a stage: `u = −(feedback·x + constant + terminal·y)`.
@@ -105,15 +85,15 @@ pub(super) struct CostToGo {
 
 /// Sum of `β'β/δ`: its diagonal, and the entries 01, 12, 02; the last lanes have no meaning.
 #[derive(Clone, Copy, Debug, Default)]
-struct Dual<V = Lanes> {
-    diagonal: V,
-    beside: V,
+struct Dual {
+    diagonal: Lanes,
+    beside: Lanes,
 }
 
-impl<V: Vector> Dual<V> {
+impl Dual {
     /// Adds `β'γ`, which is symmetric.
     #[inline(always)]
-    fn add(&mut self, beta: V, gamma: V) {
+    fn add(&mut self, beta: Lanes, gamma: Lanes) {
         self.diagonal = self.diagonal + beta * gamma;
         self.beside = self.beside + beta.rotated() * gamma;
     }
@@ -164,10 +144,6 @@ impl LinearQuadratic {
     pub(super) fn new(problem: &Problem) -> Self {
         let n = problem.horizon;
         let has_disturbance = problem.d[..n].iter().any(|d| *d != [0.0; 3]);
-        let has_linear_terms = has_disturbance
-            || problem.p_lin != [0.0; 3]
-            || problem.r_lin[..n].iter().any(|slope| *slope != 0.0)
-            || problem.q_lin[..n].iter().any(|slope| *slope != [0.0; 3]);
         let upper = |m: &[[f64; 3]; 3]| [m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]];
         Self {
             a: upper(&problem.a),
@@ -178,7 +154,7 @@ impl LinearQuadratic {
             p: upper(&problem.p),
             shape: shape_of(problem),
             has_disturbance,
-            has_linear_terms,
+            has_linear_terms: problem.has_linear_terms(),
         }
     }
 
@@ -290,34 +266,6 @@ impl LinearQuadratic {
         let [n01, n11] = self.kept::<SHAPE>([m01, a01 * p01 + k11]);
         let [n02, n12] = self.kept::<SHAPE>([m02, m12]);
         [k00, n01, n02, a01 * m01 + n11, a01 * m02 + n12, ahead(m02, a12 * m12) + a22 * m22]
-    }
-
-    /// Performs the backward sweep.
-    ///
-    /// `last` is the last stage whose models differ from those of the previous sweep; `N` reuses
-    /// nothing.
-    pub(super) fn factor<M: StageModels>(
-        &self,
-        problem: &Problem,
-        models: &M,
-        sweep: &mut Sweep,
-        last: usize,
-    ) -> CostToGo {
-        let stages = Stages { lq: self, problem, models, last };
-        let terminal = matches!(problem.terminal, Terminal::Equality(_));
-        match (self.shape, self.has_disturbance, terminal) {
-            (PLAIN, false, false) => stages.sweep::<PLAIN, false, false>(sweep),
-            (PLAIN, true, false) => stages.sweep::<PLAIN, true, false>(sweep),
-            (CHAIN, false, false) => stages.sweep::<CHAIN, false, false>(sweep),
-            (CHAIN, true, false) => stages.sweep::<CHAIN, true, false>(sweep),
-            (PLAIN, false, true) => stages.sweep::<PLAIN, false, true>(sweep),
-            (CHAIN, false, true) => stages.sweep::<CHAIN, false, true>(sweep),
-            (PLAIN, true, true) => stages.sweep::<PLAIN, true, true>(sweep),
-            (CHAIN, true, true) => stages.sweep::<CHAIN, true, true>(sweep),
-            (INTEGRATING, _, false) => stages.sweep::<INTEGRATING, true, false>(sweep),
-            (INTEGRATING, _, true) => stages.sweep::<INTEGRATING, true, true>(sweep),
-            _ => stages.sweep::<GENERAL, true, true>(sweep),
-        }
     }
 }
 

@@ -1,7 +1,5 @@
 //! Symmetric 3×3 matrices.
 
-use super::lanes::Vector;
-
 /// A symmetric matrix: entries 00, 01, 02, 11, 12, 22.
 pub(super) type Symmetric = [f64; 6];
 
@@ -13,49 +11,6 @@ pub(super) fn product(m: &Symmetric, v: &[f64; 3]) -> [f64; 3] {
         m[1] * v[0] + m[3] * v[1] + m[4] * v[2],
         m[2] * v[0] + m[4] * v[1] + m[5] * v[2],
     ]
-}
-
-/// Symmetric matrix as its three rows; the last lanes have no meaning.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rows<V>(pub(super) [V; 3]);
-
-impl<V: Vector> Rows<V> {
-    #[inline(always)]
-    pub(super) fn new(m: &Symmetric) -> Self {
-        let [m00, m01, m02, m11, m12, m22] = *m;
-        Self([
-            V::from_array([m00, m01, m02, 0.0]),
-            V::from_array([m01, m11, m12, 0.0]),
-            V::from_array([m02, m12, m22, 0.0]),
-        ])
-    }
-
-    /// Returns the entries of the upper triangle.
-    #[inline(always)]
-    pub(super) fn entries(&self) -> Symmetric {
-        let [x, y, z] = self.0;
-        let (x, y, z) = (x.to_array(), y.to_array(), z.to_array());
-        [x[0], x[1], x[2], y[1], y[2], z[2]]
-    }
-
-    /// Adds `weight · g g'`; `g` in the first three lanes.
-    #[inline(always)]
-    pub(super) fn add_rank_one(&mut self, g: V, weight: f64) {
-        let [x, y, z] = self.0;
-        let wg = V::all(weight) * g;
-        // Both triangles get the products of the upper one.
-        let ([_, g1, g2, g3], [w0, w1, _, w3]) = (g.to_array(), wg.to_array());
-        let middle = V::from_array([w0, w1, w1, w3]) * V::from_array([g1, g1, g2, g3]);
-        self.0 = [x + wg.lane(0) * g, y + middle, z + wg * g.lane(2)];
-    }
-}
-
-/// Adds `slope · g`.
-#[inline(always)]
-pub(super) fn add_slope(v: &mut [f64; 3], g: &[f64; 3], slope: f64) {
-    for i in 0..3 {
-        v[i] += slope * g[i];
-    }
 }
 
 /// Factors `M = L D L'` of a positive semidefinite matrix.
@@ -95,7 +50,6 @@ impl Factors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::riccati::lanes::Lanes;
 
     #[test]
     fn factors_solve_regular_and_singular_systems() {
@@ -103,9 +57,8 @@ mod tests {
         let x = [1.0, -2.0, 0.25];
         let found = Factors::new(&m).solve(&product(&m, &x));
         assert!((0..3).all(|i| (found[i] - x[i]).abs() < 1e-12), "{found:?}");
-        let mut rows = Rows::<Lanes>::new(&[0.0; 6]);
-        rows.add_rank_one(Lanes([1.0, 2.0, 3.0, 0.0]), 0.5);
-        m = rows.entries();
+        // Rank one.
+        m = [0.5, 1.0, 1.5, 2.0, 3.0, 4.5];
         let rhs = product(&m, &x);
         let back = product(&m, &Factors::new(&m).solve(&rhs));
         assert!((0..3).all(|i| (back[i] - rhs[i]).abs() < 1e-9), "{back:?}");

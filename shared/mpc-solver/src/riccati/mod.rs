@@ -1,7 +1,8 @@
 //! Solver made for the problem: an active-set method for the common case, and an interior point for the rest. Both use
 //! one stage-wise recursion.
 //!
-//! Each phase of a solve either ends it or hands over to the next:
+//! Short horizons have a method of their own ([`short`]). It comes between the first two phases, and once more before
+//! the last one. Each phase of a solve either ends it or hands over to the next:
 //!
 //! 1. *Warm* ([`Riccati::warm`]): the active set from the previous solution, moved forward.
 //! 2. *Cold* ([`Riccati::cold`]): the active set without a guess ([`active_set`]).
@@ -22,6 +23,7 @@
 //! set's view of the penalties, [`interior_point`] the inequalities as pairs.
 
 mod active_set;
+mod complementarity;
 mod infeasibility;
 mod interior_point;
 mod lanes;
@@ -29,14 +31,16 @@ mod light_curve;
 mod lqr;
 mod matrix;
 mod row_curve;
+mod short;
 mod working_set;
 
-use crate::kkt::{Multipliers, Residuals, residuals};
+use crate::kkt::{Multipliers, Residuals, residuals, residuals_without_rows};
 use crate::problem::Problem;
 use crate::solver::{Report, Solver, Start, Status};
 use active_set::{ActiveSet, From, Outcome, Point};
 use interior_point::InteriorPoint;
 use lqr::LinearQuadratic;
+use short::{Short, ShortStart};
 
 /// Largest scaled residual of the optimality conditions that counts as solved.
 const TOLERANCE: f64 = 1e-8;
@@ -93,10 +97,19 @@ enum Descent {
     Stuck,
 }
 
+/// Method of the last solution, whose guess can start the next solve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Settled {
+    None,
+    Short,
+    ActiveSet,
+}
+
 /// Solver made for the problem at the head of the crate.
 #[derive(Clone, Debug)]
 pub struct Riccati {
     capacity: usize,
+    short: Short,
     active: ActiveSet,
     interior: InteriorPoint,
     inputs: Vec<f64>,
@@ -106,8 +119,7 @@ pub struct Riccati {
     /// Sweeps of the current solve, and those of them that the interior point made.
     iterations: u32,
     interior_iterations: u32,
-    /// True if the guess of the last solve can start the next one.
-    is_settled: bool,
+    settled: Settled,
 }
 
 impl Riccati {
@@ -115,6 +127,7 @@ impl Riccati {
     pub fn new(max_horizon: usize) -> Self {
         Self {
             capacity: max_horizon,
+            short: Short::new(max_horizon),
             active: ActiveSet::new(max_horizon),
             interior: InteriorPoint::new(max_horizon),
             inputs: vec![0.0; max_horizon],
@@ -123,13 +136,33 @@ impl Riccati {
             horizon: 0,
             iterations: 0,
             interior_iterations: 0,
-            is_settled: false,
+            settled: Settled::None,
         }
     }
 
+    /// Short horizons; `None` for problems of other methods and after a failed attempt.
+    fn short(&mut self, problem: &Problem, start: ShortStart) -> Option<Ending> {
+        if !Short::serves(problem) {
+            return None;
+        }
+        let Self { short, inputs, states, multipliers, .. } = self;
+        let rounds = short.solve(problem, start, &mut Point { inputs, states, multipliers })?;
+        self.iterations += rounds;
+        let Self { short, inputs, states, multipliers, .. } = &*self;
+        let evaluate = if short.holds_rows() { residuals } else { residuals_without_rows };
+        let found = evaluate(problem, inputs, states, multipliers);
+        self.settle(Settled::Short, found)
+    }
+
+    /// Returns the solution of a method if the optimality conditions hold.
+    fn settle(&mut self, method: Settled, found: Residuals) -> Option<Ending> {
+        let is_solved = found.max() <= TOLERANCE;
+        self.settled = if is_solved { method } else { Settled::None };
+        is_solved.then_some((Status::Solved, found))
+    }
+
     /// Phase 1; `None` without a previous solution or after a failed attempt.
-    fn warm(&mut self, problem: &Problem, lq: &LinearQuadratic, start: Start) -> Option<Ending> {
-        let Start::Shifted(steps) = start else { return None };
+    fn warm(&mut self, problem: &Problem, lq: &LinearQuadratic, steps: usize) -> Option<Ending> {
         self.active.shift(problem, steps);
         let rounds = if self.active.has_acting_row_tangents() {
             WARM_ROUNDS_WITH_ROW_TANGENTS
@@ -232,8 +265,7 @@ impl Riccati {
         // that follow from the inputs; hostile numbers magnify rounding.
         problem.roll_out(&self.inputs, &mut self.states);
         let found = self.residuals(problem);
-        self.is_settled = found.max() <= TOLERANCE;
-        self.is_settled.then_some((Status::Solved, found))
+        self.settle(Settled::ActiveSet, found)
     }
 
     /// Adopts the interior point's iterate as the solution.
@@ -248,20 +280,20 @@ impl Riccati {
         residuals(problem, &self.inputs, &self.states, &self.multipliers)
     }
 
-    fn report(&self, status: Status, residuals: Residuals, objective: f64) -> Report {
+    fn report(&self, status: Status, residuals: Residuals) -> Report {
         let Self { iterations, interior_iterations, .. } = *self;
-        Report { status, iterations, interior_iterations, residuals, objective }
+        Report { status, iterations, interior_iterations, residuals }
     }
 
     /// Returns the report of a problem that cannot be solved because of its numbers.
     fn refuse(&mut self, problem: &Problem) -> Report {
         self.horizon = problem.horizon.min(self.capacity);
-        self.is_settled = false;
+        self.settled = Settled::None;
         self.inputs.fill(0.0_f64.max(problem.u_min).min(problem.u_max));
         self.states.fill(problem.x0);
         self.multipliers.clear();
         let residuals = Residuals { stationarity: f64::NAN, ..Residuals::default() };
-        self.report(Status::InvalidInput, residuals, f64::NAN)
+        self.report(Status::InvalidInput, residuals)
     }
 }
 
@@ -272,22 +304,29 @@ impl Solver for Riccati {
         if n > self.capacity || problem.check().is_err() {
             return self.refuse(problem);
         }
-        let lq = LinearQuadratic::new(problem);
-        let start = if self.is_settled && self.horizon == n { start } else { Start::Cold };
+        let before = if self.horizon == n { self.settled } else { Settled::None };
+        let warm = |method: Settled| match start {
+            Start::Shifted(steps) if before == method => Some(steps),
+            _ => None,
+        };
         self.horizon = n;
-        self.is_settled = false;
-        let (status, residuals) = self
-            .warm(problem, &lq, start)
-            .or_else(|| self.cold(problem, &lq))
-            .unwrap_or_else(|| self.interior(problem, &lq));
-        let objective = problem.objective(&self.inputs, &self.states);
+        self.settled = Settled::None;
+        let first = warm(Settled::Short).map_or(ShortStart::Cold, ShortStart::Shifted);
+        let shifted = warm(Settled::ActiveSet);
+        let (status, residuals) = shifted
+            .and_then(|steps| self.warm(problem, &LinearQuadratic::new(problem), steps))
+            .or_else(|| self.short(problem, first))
+            .unwrap_or_else(|| {
+                let lq = LinearQuadratic::new(problem);
+                self.cold(problem, &lq)
+                    .or_else(|| self.short(problem, ShortStart::Last))
+                    .unwrap_or_else(|| self.interior(problem, &lq))
+            });
         let end = &self.states[n];
-        let is_finite = (end[0] + end[1] + end[2]).is_finite();
-        // No solution lies outside of the light's domain: an infinite cost is an overflow.
-        if !is_finite || status == Status::Solved && !objective.is_finite() {
+        if !(end[0] + end[1] + end[2]).is_finite() {
             return self.refuse(problem);
         }
-        self.report(status, residuals, objective)
+        self.report(status, residuals)
     }
 
     fn inputs(&self) -> &[f64] {

@@ -9,7 +9,7 @@
 //! multiplier. The optimality conditions require 1e-8 of the largest one. The slope is therefore [`STIFFNESS`] times
 //! that multiplier ([`super::working_set::WorkingSet::row_stiffness`]).
 
-use crate::problem::{Row, Softness};
+use crate::problem::Row;
 
 /// Slope that replaces the vertical part, in largest multipliers per unit of the limit.
 pub(super) const STIFFNESS: f64 = 3e4;
@@ -65,10 +65,7 @@ impl RowTangent {
     /// `stiffness` is the slope that replaces the vertical part.
     pub(super) fn project(&self, row: &Row, z: f64, unit: f64, stiffness: f64) -> (Self, f64, f64) {
         let mu = self.at(z);
-        let (penalty, curvature) = match row.softness {
-            Softness::Hard => (f64::INFINITY, 0.0),
-            Softness::Soft { linear, quadratic } => (linear, quadratic),
-        };
+        let (penalty, curvature) = row.softness.penalty();
         let next = match self.region {
             Region::Clear if z > 1e-10 * unit => Self::edge(0.0, stiffness),
             Region::Clear => *self,
@@ -92,6 +89,7 @@ impl RowTangent {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::Softness;
 
     /// Computes `min ½(z − a)² + ψ(z)` one tangent at a time: `z − a + μ = 0`.
     fn minimise(row: &Row, a: f64) -> (f64, f64) {

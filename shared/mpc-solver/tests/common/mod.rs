@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test file uses its part")]
 
-use mpc_solver::{LightCost, LightStage, Problem, Row, Softness};
+use mpc_solver::{LightCost, LightStage, Problem, Row, Softness, Solver};
 
 const CSV: &str =
     include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/cacc-instances.csv"));
@@ -67,6 +67,11 @@ fn parse(line: &str) -> Instance {
         objective: number(13),
         feasible: field[14] == "1",
     }
+}
+
+/// Returns the objective of a solver's last solution.
+pub(crate) fn cost(problem: &Problem, solver: &dyn Solver) -> f64 {
+    problem.objective(solver.inputs(), solver.states())
 }
 
 /// Returns the paper's problem with the joint weights, over `n` steps.

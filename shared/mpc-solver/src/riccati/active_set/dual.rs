@@ -7,12 +7,12 @@
 //! ```
 //!
 //! Eliminating `y = W⁻¹(m − T μ)` leaves `z = (z̄ − T'W⁻¹m) − (G − T'W⁻¹T) μ`, the program of
-//! [`super::complementarity`]. Without a terminal equality `y` and `T` are absent.
+//! [`crate::riccati::complementarity`]. Without a terminal equality `y` and `T` are absent.
 
-use super::complementarity::{Complementarity, MAX_WORKING_ROWS};
 use super::response::RowResponse;
-use super::rows::WorkingRow;
-use crate::problem::{Problem, Softness, Terminal, dot};
+use super::rows::{MAX_WORKING_ROWS, WorkingRow};
+use crate::problem::{Problem, Terminal, dot};
+use crate::riccati::complementarity::{Complementarity, UNREACHABLE};
 use crate::riccati::lqr::CostToGo;
 
 /// Solves for both, the rows' multipliers from their present values; `None` if their program cannot
@@ -40,13 +40,9 @@ pub(super) fn solve(
                 }
             }
         }
-        let mut multipliers = [0.0; MAX_WORKING_ROWS];
-        for (slot, row) in multipliers.iter_mut().zip(rows.iter()) {
-            *slot = row.multiplier;
-        }
-        program.solve(&mut multipliers)?;
+        program.solve()?;
         for (c, row) in rows.iter_mut().enumerate() {
-            row.multiplier = multipliers[c];
+            row.multiplier = program.multipliers[c];
             if let Some(system) = &mut system {
                 for i in 0..3 {
                     system.miss[i] -= response.terminal[i][c] * row.multiplier;
@@ -58,19 +54,19 @@ pub(super) fn solve(
 }
 
 /// Returns the rows' program for `y = 0`.
-fn program_of(problem: &Problem, response: &RowResponse, rows: &[WorkingRow]) -> Complementarity {
-    let mut program = Complementarity {
-        len: rows.len(),
-        response: response.gram,
-        value: response.value,
-        ..Complementarity::default()
-    };
+fn program_of(
+    problem: &Problem,
+    response: &RowResponse,
+    rows: &[WorkingRow],
+) -> Complementarity<MAX_WORKING_ROWS> {
+    let mut program = Complementarity::new(UNREACHABLE);
+    program.len = rows.len();
+    program.response = response.gram;
+    program.value = response.value;
     for (c, row) in rows.iter().enumerate() {
         program.scale[c] = response.gram[c][c];
-        (program.weight[c], program.curvature[c]) = match problem.rows[row.row].softness {
-            Softness::Hard => (f64::INFINITY, 0.0),
-            Softness::Soft { linear, quadratic } => (linear, quadratic),
-        };
+        program.multipliers[c] = row.multiplier;
+        (program.weight[c], program.curvature[c]) = problem.rows[row.row].softness.penalty();
     }
     program
 }

@@ -9,9 +9,7 @@
 //! earlier solves.
 
 use crate::problem::{Problem, Terminal};
-use crate::riccati::lanes::Vector;
-use crate::riccati::lqr::{CostToGo, InputModel, LinearQuadratic, StageModels, Sweep};
-use crate::riccati::matrix::Rows;
+use crate::riccati::lqr::{BlockModels, Cost, CostToGo, LinearQuadratic, Sweep, Unconstrained};
 
 /// The sweep, and the matrices it was computed from.
 #[derive(Clone, Debug)]
@@ -28,11 +26,12 @@ impl FirstSweep {
 
     /// Fills `sweep` for the first round of an attempt, which holds inputs and places tangents only
     /// up to stage `last`.
-    pub(super) fn fill<M: StageModels>(
+    pub(super) fn fill<M: BlockModels>(
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
-        models: &M,
+        cost: &Cost,
+        models: &mut M,
         last: usize,
         sweep: &mut Sweep,
     ) -> CostToGo {
@@ -43,25 +42,10 @@ impl FirstSweep {
         let is_fixed = matches!(problem.terminal, Terminal::Equality(_));
         let made_from = Some((*lq, n, is_fixed));
         if self.made_from != made_from {
-            self.cost_to_go = lq.factor(problem, &Unconstrained(problem), &mut self.sweep, n);
+            self.cost_to_go = lq.factor(problem, &mut Unconstrained(cost), &mut self.sweep, n);
             self.made_from = made_from;
         }
         sweep.copy_from(&self.sweep, n);
         if last == 0 { self.cost_to_go } else { lq.factor(problem, models, sweep, last) }
-    }
-}
-
-/// Stage models with free inputs, no light and no rows.
-struct Unconstrained<'a>(&'a Problem);
-
-impl StageModels for Unconstrained<'_> {
-    #[inline(always)]
-    fn input(&self, k: usize) -> InputModel {
-        InputModel::Free(0.0, self.0.r_lin[k])
-    }
-
-    #[inline(always)]
-    fn state<V: Vector>(&self, k: usize, _: &mut Rows<V>) -> [f64; 3] {
-        if k < self.0.horizon { self.0.q_lin[k] } else { self.0.p_lin }
     }
 }

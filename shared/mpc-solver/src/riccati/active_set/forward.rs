@@ -8,11 +8,11 @@
 
 use multiversion::multiversion;
 
-use super::complementarity::MAX_WORKING_ROWS;
 use super::response::RowResponse;
+use super::rows::MAX_WORKING_ROWS;
 use super::rows::WorkingRow;
 use crate::problem::Problem;
-use crate::riccati::lqr::{CHAIN, GENERAL, INTEGRATING, LinearQuadratic, PLAIN, Shape, Sweep};
+use crate::riccati::lqr::{CHAIN, GENERAL, LinearQuadratic, PLAIN, Shape, Sweep};
 use crate::riccati::working_set::Side;
 
 /// Everything that determines the inputs.
@@ -41,7 +41,6 @@ impl Policy<'_> {
             (PLAIN, true) => sweep_forward::<PLAIN, true>(self, problem, trajectory),
             (CHAIN, false) => sweep_forward::<CHAIN, false>(self, problem, trajectory),
             (CHAIN, true) => sweep_forward::<CHAIN, true>(self, problem, trajectory),
-            (INTEGRATING, _) => sweep_forward::<INTEGRATING, true>(self, problem, trajectory),
             _ => sweep_forward::<GENERAL, true>(self, problem, trajectory),
         }
     }

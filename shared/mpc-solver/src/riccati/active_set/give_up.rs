@@ -19,7 +19,7 @@
 //! 3. The inputs are at the same sides as two rounds before, but not as in the last round. Two guesses lead to each
 //!    other.
 //! 4. More than a quarter of the stages violate a row; two fifths in the first two rounds of a problem with the light.
-//!    An arc of active stages needs more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers. The first round
+//!    An arc of active stages needs more than [`super::rows::MAX_WORKING_ROWS`] multipliers. The first round
 //!    has neither rows nor light. There this sign ends 67 % of the attempts on random problems in which a row will act.
 //!    With the light it ends 50 %. 25 of these 6,048 attempts would have settled; the others would have ended at least
 //!    one round later.

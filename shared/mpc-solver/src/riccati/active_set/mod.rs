@@ -7,7 +7,7 @@
 //!    starts at the last stage at which the guess has changed. In the first round it starts at the last stage that
 //!    differs from free inputs ([`first_sweep`]).
 //! 2. *Row response* ([`response`]): effect of the working rows' multipliers on the trajectory.
-//! 3. *Complementarity* ([`dual`], [`complementarity`]): exact multipliers of these rows and of the
+//! 3. *Complementarity* ([`dual`], [`super::complementarity`]): exact multipliers of these rows and of the
 //!    terminal equality.
 //! 4. *Forward sweep* ([`forward`]), which clamps every input to its bounds.
 //! 5. *New guess*: the clamped sides of the inputs ([`switching`]), tangents at the new margins ([`light`]), and the
@@ -25,7 +25,6 @@
 //! them. This holds for cold attempts and for warm ones after a solution with a working set. A cold attempt starts with
 //! this in the second round, because the first one ignores the light.
 
-mod complementarity;
 mod dual;
 mod first_sweep;
 mod forward;
@@ -37,7 +36,7 @@ mod rows;
 mod switching;
 
 use super::light_curve::LightCurve;
-use super::lqr::{LinearQuadratic, Sweep};
+use super::lqr::{Cost, LinearQuadratic, Sweep};
 use super::working_set::{Side, WorkingSet, differences, last_difference};
 use crate::kkt::Multipliers;
 use crate::problem::{Problem, Terminal, dot};
@@ -87,6 +86,7 @@ pub(super) struct Point<'a> {
 pub(super) struct ActiveSet {
     pub(super) guess: WorkingSet,
     rows: WorkingRows,
+    cost: Cost,
     first_sweep: FirstSweep,
     sweep: Sweep,
     response: RowResponse,
@@ -107,6 +107,7 @@ impl ActiveSet {
         Self {
             guess: WorkingSet::new(max_horizon),
             rows: WorkingRows::new(),
+            cost: Cost::new(max_horizon),
             first_sweep: FirstSweep::new(max_horizon),
             sweep: Sweep::new(max_horizon),
             response: RowResponse::new(max_horizon),
@@ -157,6 +158,7 @@ impl ActiveSet {
             self.rows.clear();
         }
         self.freed_switch = None;
+        self.cost.start(problem);
         // A cold first round ignores the light and only finds its margins.
         let mut has_light = problem.light_len == 0 || !is_cold;
         // Last stage at which the guess differs from that of the previous sweep.
@@ -236,8 +238,9 @@ impl ActiveSet {
         last_changed: usize,
         point: &mut Point,
     ) -> bool {
-        let models = Models {
+        let mut models = Models {
             problem,
+            cost: &self.cost,
             sides: &self.guess.sides,
             tangents: &self.guess.light,
             stages: if has_light { problem.light_stages() } else { &[] },
@@ -245,9 +248,9 @@ impl ActiveSet {
         };
         let cost_to_go = if is_first {
             let last = models.last_modelled(problem.horizon);
-            self.first_sweep.fill(problem, lq, &models, last, &mut self.sweep)
+            self.first_sweep.fill(problem, lq, &self.cost, &mut models, last, &mut self.sweep)
         } else {
-            lq.factor(problem, &models, &mut self.sweep, last_changed)
+            lq.factor(problem, &mut models, &mut self.sweep, last_changed)
         };
         let sides = &self.guess.sides;
         self.response.compute(problem, lq, &self.sweep, sides, self.rows.members());

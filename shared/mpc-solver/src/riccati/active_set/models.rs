@@ -1,16 +1,16 @@
 //! The guess of the active set as models of the stages, for the backward sweep.
 
 use crate::problem::{LightStage, Problem};
-use crate::riccati::lanes::Vector;
+use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::light_curve::LightTangent;
-use crate::riccati::lqr::{InputModel, StageModels};
-use crate::riccati::matrix::{Rows, add_slope};
+use crate::riccati::lqr::{BlockModel, BlockModels, Cost};
 use crate::riccati::row_curve::RowTangent;
 use crate::riccati::working_set::Side;
 
 /// The guess as models of the stages.
 pub(super) struct Models<'a> {
     pub(super) problem: &'a Problem,
+    pub(super) cost: &'a Cost,
     pub(super) sides: &'a [Side],
     pub(super) tangents: &'a [LightTangent],
     pub(super) stages: &'a [LightStage],
@@ -28,38 +28,62 @@ impl Models<'_> {
     }
 }
 
-impl StageModels for Models<'_> {
+impl BlockModels for Models<'_> {
+    const IS_WHOLE: bool = true;
+
     #[inline(always)]
-    fn input(&self, k: usize) -> InputModel {
-        let gradient = self.problem.r_lin[k];
-        match self.sides[k] {
-            Side::Free => InputModel::Free(0.0, gradient),
-            Side::Upper => InputModel::Held(self.problem.u_max, gradient),
-            Side::Lower => InputModel::Held(self.problem.u_min, gradient),
+    fn block(&mut self, j: usize) -> BlockModel {
+        let (problem, lit) = (self.problem, self.stages.len());
+        let mut model = self.cost.block(j);
+        let stages = WIDTH * j..(WIDTH * (j + 1)).min(problem.horizon + 1);
+        if lit > 0 && stages.start <= lit {
+            let (mut g, [mut curvature, mut slope]) = ([Lanes::default(); 3], Default::default());
+            for k in stages.start.max(1)..stages.end.min(lit + 1) {
+                let (stage, tangent) = (&self.stages[k - 1], &self.tangents[k - 1]);
+                let alpha = tangent.at_origin(stage.offset);
+                set(
+                    k % WIDTH,
+                    (&mut g, &stage.gradient),
+                    [(&mut curvature, tangent.slope), (&mut slope, -alpha)],
+                );
+            }
+            model.add(&g, curvature, slope);
         }
+        for (j, tangents) in self.rows.iter().enumerate() {
+            if !tangents[stages.clone()].iter().any(RowTangent::acts) {
+                continue;
+            }
+            let (mut g, [mut curvature, mut slope]) = ([Lanes::default(); 3], Default::default());
+            for k in stages.clone().filter(|k| *k > 0 && tangents[*k].acts()) {
+                let force = tangents[k].at(-problem.limits[j][k]);
+                set(
+                    k % WIDTH,
+                    (&mut g, &problem.rows[j].gradient),
+                    [(&mut curvature, tangents[k].slope), (&mut slope, force)],
+                );
+            }
+            model.add(&g, curvature, slope);
+        }
+        model
     }
 
     #[inline(always)]
-    fn state<V: Vector>(&self, k: usize, hessian: &mut Rows<V>) -> [f64; 3] {
-        let problem = self.problem;
-        let mut gradient = if k < problem.horizon { problem.q_lin[k] } else { problem.p_lin };
-        if k == 0 {
-            return gradient;
+    fn held(&self, k: usize) -> Option<f64> {
+        match self.sides[k] {
+            Side::Free => None,
+            Side::Upper => Some(self.problem.u_max),
+            Side::Lower => Some(self.problem.u_min),
         }
-        if k <= self.stages.len() {
-            let (stage, tangent) = (&self.stages[k - 1], &self.tangents[k - 1]);
-            let [c0, c1, c2] = stage.gradient;
-            hessian.add_rank_one(V::from_array([c0, c1, c2, stage.offset]), tangent.slope);
-            add_slope(&mut gradient, &stage.gradient, -tangent.at_origin(stage.offset));
-        }
-        for (j, tangents) in self.rows.iter().enumerate() {
-            let tangent = &tangents[k];
-            if tangent.acts() {
-                let g = &problem.rows[j].gradient;
-                hessian.add_rank_one(V::from_array([g[0], g[1], g[2], 0.0]), tangent.slope);
-                add_slope(&mut gradient, g, tangent.at(-problem.limits[j][k]));
-            }
-        }
-        gradient
+    }
+}
+
+/// Sets one lane of a function of `g'x`: its gradient, its curvature and its slope.
+#[inline(always)]
+fn set(lane: usize, (to, gradient): (&mut [Lanes; 3], &[f64; 3]), numbers: [(&mut Lanes, f64); 2]) {
+    for (lanes, g) in to.iter_mut().zip(gradient) {
+        lanes.0[lane] = *g;
+    }
+    for (lanes, number) in numbers {
+        lanes.0[lane] = number;
     }
 }

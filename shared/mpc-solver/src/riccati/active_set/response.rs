@@ -14,7 +14,7 @@
 
 use multiversion::multiversion;
 
-use super::complementarity::MAX_WORKING_ROWS;
+use super::rows::MAX_WORKING_ROWS;
 use super::rows::WorkingRow;
 use crate::problem::{Problem, dot};
 use crate::riccati::lqr::{CHAIN, GENERAL, LinearQuadratic, PLAIN, Shape, Sweep};

@@ -6,10 +6,11 @@
 
 use multiversion::multiversion;
 
-use super::complementarity::MAX_WORKING_ROWS;
 use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, dot};
 
+/// Largest number of rows treated at once.
+pub(super) const MAX_WORKING_ROWS: usize = 8;
 /// Number of members whose response costs the same as that of one, see [`super::response`].
 const LANES: usize = 4;
 /// Violation that counts as zero, relative to the limit or 1.

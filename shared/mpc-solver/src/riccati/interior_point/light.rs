@@ -78,10 +78,8 @@ impl LightBarrier {
         self.cost = light.weight;
         self.threshold = light.threshold;
         self.is_capped = light.threshold < f64::INFINITY;
-        (self.is_soft, self.penalty) = match light.softness {
-            Softness::Hard => (false, f64::INFINITY),
-            Softness::Soft { linear, .. } => (true, linear),
-        };
+        self.is_soft = light.softness != Softness::Hard;
+        (self.penalty, _) = light.softness.penalty();
         for block in &mut self.blocks[..self.count] {
             let product = Pairs::new(ONE, Lanes::all(mu));
             let (below, capped, violation) = (product, product, product);

@@ -59,12 +59,12 @@ mod step_length;
 use multiversion::multiversion;
 
 use super::lanes::{Lanes, WIDTH};
-use super::lqr::{CHAIN, CostToGo, GENERAL, INTEGRATING, LinearQuadratic, PLAIN, Shape, Sweep};
+use super::lqr::{CHAIN, Cost, CostToGo, GENERAL, LinearQuadratic, PLAIN, Shape, Sweep};
 use super::working_set::WorkingSet;
 use crate::kkt::Multipliers;
 use crate::problem::{Problem, Terminal, quadratic};
 use barriers::Barriers;
-use model::{Cost, Models};
+use model::Models;
 use pairs::{Lengths, Limits, Prediction, Targets, place};
 use path::{PathBlock, block, block_mut, path, state};
 pub(super) use step_length::Step;
@@ -166,10 +166,8 @@ impl InteriorPoint {
             (PLAIN, Terminal::Equality(_)) => iterate::<true, PLAIN>(self, problem, lq),
             (CHAIN, Terminal::Cost) => iterate::<false, CHAIN>(self, problem, lq),
             (CHAIN, Terminal::Equality(_)) => iterate::<true, CHAIN>(self, problem, lq),
-            (INTEGRATING, Terminal::Cost) => iterate::<false, INTEGRATING>(self, problem, lq),
-            (INTEGRATING, Terminal::Equality(_)) => iterate::<true, INTEGRATING>(self, problem, lq),
-            // This case is too rare for code of its own; the terminal columns are not used.
-            _ => iterate::<true, GENERAL>(self, problem, lq),
+            (_, Terminal::Cost) => iterate::<false, GENERAL>(self, problem, lq),
+            (_, Terminal::Equality(_)) => iterate::<true, GENERAL>(self, problem, lq),
         }
     }
 
@@ -221,7 +219,7 @@ impl InteriorPoint {
     fn factor(&mut self, problem: &Problem, lq: &LinearQuadratic) -> (CostToGo, f64) {
         let Self { barriers, cost, iterate, sweep, .. } = self;
         let mut models = Models { r: problem.r, barriers, cost, iterate, gap: Lanes::default() };
-        let cost_to_go = lq.factor_blocks(problem, &mut models, sweep);
+        let cost_to_go = lq.factor(problem, &mut models, sweep, problem.horizon);
         (cost_to_go, models.gap.sum())
     }
 

@@ -1,192 +1,197 @@
-//! Backward sweep of the active set, stage by stage.
+//! Backward sweep in blocks of stages.
 //!
-//! The matrices are vectors, row by row ([`super::dynamics`]); their lower triangle holds the bits
-//! of the upper one.
+//! For each block the caller first computes the models of its stages, lane by lane. Then follow the matrix recursion and
+//! the vector recursion. `P` waits for one division per stage and for nothing else. Models and vectors wait for `P` only
+//! from block to block, so the machine works on them in parallel. Merged stage by stage, they would not fit into the
+//! registers.
 
-#![allow(unsafe_code, reason = "calls the version for the registers that the machine has")]
+use multiversion::multiversion;
 
-#[cfg(test)]
-mod tests;
+use super::cost::{BlockModel, Cost};
+use super::{CHAIN, CostToGo, GENERAL, LinearQuadratic, PLAIN, STRIDE, Shape, Sweep, resume};
+use crate::problem::{Problem, Terminal};
+use crate::riccati::lanes::{Lanes, Row, WIDTH};
+use crate::riccati::matrix::product;
 
-use super::dynamics::Dynamics;
-use super::{
-    CHAIN, CostToGo, Dual, GENERAL, Gain, InputModel, LinearQuadratic, PLAIN, STRIDE, Shape,
-    StageModels, Sweep, resume,
-};
-use crate::problem::Problem;
-#[cfg(target_arch = "x86_64")]
-use crate::riccati::lanes::wide::{self, Wide};
-use crate::riccati::lanes::{Lanes, Row, Vector};
-use crate::riccati::matrix::{Rows, product};
+/// Source of the models.
+pub(in crate::riccati) trait BlockModels {
+    /// True for the trajectory itself. It has disturbances and held inputs, and a sweep can be resumed. A change of the
+    /// trajectory has neither.
+    const IS_WHOLE: bool;
 
-/// Input of a sweep.
-pub(super) struct Stages<'a, M> {
-    pub(super) lq: &'a LinearQuadratic,
-    pub(super) problem: &'a Problem,
-    pub(super) models: &'a M,
-    /// Last stage whose models differ from those of the previous sweep.
-    pub(super) last: usize,
+    /// Returns the model of the stages from `WIDTH · j` on; called once per block, last block
+    /// first.
+    fn block(&mut self, j: usize) -> BlockModel;
+
+    /// Returns the value at which input `k` is held.
+    fn held(&self, _k: usize) -> Option<f64> {
+        None
+    }
 }
 
-impl<M: StageModels> Stages<'_, M> {
-    /// Performs [`LinearQuadratic::factor`].
-    pub(super) fn sweep<const SHAPE: Shape, const DISTURBED: bool, const TERMINAL: bool>(
-        &self,
-        sweep: &mut Sweep,
-    ) -> CostToGo {
-        #[cfg(target_arch = "x86_64")]
-        if wide::is_available() {
-            // SAFETY: the machine has the instructions.
-            return unsafe { self.sweep_wide::<SHAPE, DISTURBED, TERMINAL>(sweep) };
-        }
-        self.sweep_portable::<SHAPE, DISTURBED, TERMINAL>(sweep)
-    }
+/// The cost alone, with free inputs.
+pub(in crate::riccati) struct Unconstrained<'a>(pub(in crate::riccati) &'a Cost);
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn sweep_wide<const SHAPE: Shape, const DISTURBED: bool, const TERMINAL: bool>(
-        &self,
-        sweep: &mut Sweep,
-    ) -> CostToGo {
-        if TERMINAL {
-            self.sweep_by::<SHAPE, DISTURBED, Wide, Wide>(sweep)
-        } else {
-            self.sweep_by::<SHAPE, DISTURBED, Wide, f64>(sweep)
-        }
-    }
+impl BlockModels for Unconstrained<'_> {
+    const IS_WHOLE: bool = true;
 
-    fn sweep_portable<const SHAPE: Shape, const DISTURBED: bool, const TERMINAL: bool>(
-        &self,
-        sweep: &mut Sweep,
-    ) -> CostToGo {
-        if TERMINAL {
-            self.sweep_by::<SHAPE, DISTURBED, Lanes, Lanes>(sweep)
-        } else {
-            self.sweep_by::<SHAPE, DISTURBED, Lanes, f64>(sweep)
-        }
-    }
-
-    /// Performs the recursion in vectors `V`; the linear part is a vector (`Ψ | p`) or a number
-    /// (`p`).
     #[inline(always)]
-    fn sweep_by<const SHAPE: Shape, const DISTURBED: bool, V: Vector, R: Row<V>>(
+    fn block(&mut self, j: usize) -> BlockModel {
+        self.0.block(j)
+    }
+}
+
+impl LinearQuadratic {
+    /// Performs the backward sweep.
+    ///
+    /// `last` is the last stage whose models differ from those of the previous sweep; `N` reuses
+    /// nothing.
+    #[inline(always)]
+    pub(in crate::riccati) fn factor<M: BlockModels>(
         &self,
+        problem: &Problem,
+        models: &mut M,
         sweep: &mut Sweep,
+        last: usize,
     ) -> CostToGo {
-        let &Self { lq, problem, models, last } = self;
-        let n = problem.horizon;
-        let d = &problem.d[..n];
-        let gains = &mut sweep.gains[..n];
-        let (top, from) = resume(n, last);
-        let (mut p, start) = if top < n {
-            (Rows::<V>::new(&sweep.hessians[from]), sweep.costs[from])
-        } else {
-            let mut p = Rows::<V>::new(&lq.p);
-            let [g0, g1, g2] = models.state(n, &mut p);
-            let linear = [[1.0, 0.0, 0.0, g0], [0.0, 1.0, 0.0, g1], [0.0, 0.0, 1.0, g2]];
-            (p, CostToGo { linear: linear.map(Lanes), ..CostToGo::default() })
-        };
-        let [l0, l1, l2] = start.linear;
-        let mut linear =
-            [R::of(V::from_array(l0.0)), R::of(V::from_array(l1.0)), R::of(V::from_array(l2.0))];
-        let mut dual = Dual {
-            diagonal: V::from_array(start.dual.diagonal.0),
-            beside: V::from_array(start.dual.beside.0),
-        };
-        let mut reached = V::from_array(start.reached.0);
-        let dynamics = Dynamics::<V>::new(lq);
-        let [a00, a01, a02, a11, a12, a22] = lq.a;
-        let (a00, a01, a02) = (R::splat(a00), R::splat(a01), R::splat(a02));
-        let (a11, a12, a22) = (R::splat(a11), R::splat(a12), R::splat(a22));
-        let q = Rows::<V>::new(&lq.q);
-        let last_squared = lq.b[2] * lq.b[2];
-        for k in (0..top).rev() {
-            let pb = dynamics.times_b::<SHAPE>(&p);
-            if DISTURBED {
-                let [l0, l1, l2] = linear;
-                let [d0, d1, d2] = d[k];
+        let is_fixed = matches!(problem.terminal, Terminal::Equality(_));
+        match (self.shape, is_fixed) {
+            (PLAIN, false) => backward::<PLAIN, f64, M>(self, problem, models, sweep, last),
+            (PLAIN, true) => backward::<PLAIN, Lanes, M>(self, problem, models, sweep, last),
+            (CHAIN, false) => backward::<CHAIN, f64, M>(self, problem, models, sweep, last),
+            (CHAIN, true) => backward::<CHAIN, Lanes, M>(self, problem, models, sweep, last),
+            (_, false) => backward::<GENERAL, f64, M>(self, problem, models, sweep, last),
+            (_, true) => backward::<GENERAL, Lanes, M>(self, problem, models, sweep, last),
+        }
+    }
+}
+
+/// Data of a stage for the vector recursion.
+#[derive(Clone, Copy, Debug, Default)]
+struct StageVectors<R> {
+    gradient: [R; 3],
+    slope: R,
+    held: Option<f64>,
+    /// `P_{k+1} d_k`.
+    carried: [f64; 3],
+}
+
+/// Performs [`LinearQuadratic::factor`].
+#[multiversion(targets("x86_64+avx2"))]
+fn backward<const SHAPE: Shape, R: Row + Default, M: BlockModels>(
+    lq: &LinearQuadratic,
+    problem: &Problem,
+    models: &mut M,
+    sweep: &mut Sweep,
+    last: usize,
+) -> CostToGo {
+    let Sweep { gains, hessians, costs } = sweep;
+    let is_disturbed = M::IS_WHOLE && lq.has_disturbance;
+    let (top, from) = resume(problem.horizon, last);
+    let (last, end) = (top / WIDTH, top % WIDTH);
+    let mut ring = [BlockModel::default(); 2];
+    let (mut p, start) = if top < problem.horizon {
+        (hessians[from], costs[from])
+    } else {
+        let terminal = models.block(last);
+        ring[last % 2] = terminal;
+        let g = terminal.gradient.map(|lanes| lanes.0[end]);
+        let linear = [[1.0, 0.0, 0.0, g[0]], [0.0, 1.0, 0.0, g[1]], [0.0, 0.0, 1.0, g[2]]];
+        let start = CostToGo { linear: linear.map(Lanes), ..CostToGo::default() };
+        (terminal.hessian.map(|lanes| lanes.0[end]), start)
+    };
+    let mut linear = start.linear.map(R::of);
+    let (mut dual, mut reached) = (start.dual, start.reached);
+    let [a00, a01, a02, a11, a12, a22] = lq.a.map(R::splat);
+    let b = lq.b.map(R::splat);
+    let last_squared = lq.b[2] * lq.b[2];
+    let mut vectors = [StageVectors::<R>::default(); WIDTH];
+    for j in (0..=last).rev() {
+        if j > 0 {
+            ring[(j - 1) % 2] = models.block(j - 1);
+        }
+        let model = &ring[j % 2];
+        let count = if j == last { end } else { WIDTH };
+        let gains = &mut gains[WIDTH * j..WIDTH * j + count];
+        let vectors = &mut vectors[..count];
+        for (lane, (gain, stage)) in gains.iter_mut().zip(&mut *vectors).enumerate().rev() {
+            if is_disturbed {
+                stage.carried = product(&p, &problem.d[WIDTH * j + lane]);
+            }
+            let pb = if SHAPE >= CHAIN {
+                [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
+            } else {
+                product(&p, &lq.b)
+            };
+            let curvature =
+                if SHAPE >= CHAIN { last_squared * p[5] } else { lq.input_of::<SHAPE>(&pb) };
+            let inverse = 1.0 / ((lq.r + model.curvature.0[lane]) + curvature);
+            let f = lq.crossed::<SHAPE>(lq.transposed::<SHAPE>(&pb));
+            let apa = lq.congruence::<SHAPE>(&p);
+            let next = |i: usize| model.hessian[i].0[lane] + apa[i];
+            let mut gradient = model.gradient.map(|lanes| lanes.0[lane]);
+            stage.held = if M::IS_WHOLE { models.held(WIDTH * j + lane) } else { None };
+            p = if let Some(u) = stage.held {
+                for i in 0..3 {
+                    gradient[i] += f[i] * u;
+                }
+                std::array::from_fn(next)
+            } else {
+                [
+                    next(0) - (f[0] * f[0]) * inverse,
+                    next(1) - (f[0] * f[1]) * inverse,
+                    next(2) - (f[0] * f[2]) * inverse,
+                    next(3) - (f[1] * f[1]) * inverse,
+                    next(4) - (f[1] * f[2]) * inverse,
+                    next(5) - (f[2] * f[2]) * inverse,
+                ]
+            };
+            gain.feedback = [f[0] * inverse, f[1] * inverse, f[2] * inverse];
+            gain.inverse = inverse;
+            stage.slope = R::linear(model.slope.0[lane]);
+            stage.gradient = gradient.map(R::linear);
+        }
+        for (lane, (gain, stage)) in gains.iter_mut().zip(&*vectors).enumerate().rev() {
+            if is_disturbed {
+                let [d0, d1, d2] = problem.d[WIDTH * j + lane].map(R::splat);
                 if R::HAS_TERMINAL {
-                    let moved = l0 * R::splat(d0) + l1 * R::splat(d1) + l2 * R::splat(d2);
+                    let moved = linear[0] * d0 + linear[1] * d1 + linear[2] * d2;
                     reached = reached + moved.lanes();
                 }
-                let carried = product(&p.entries(), &d[k]);
                 for i in 0..3 {
-                    linear[i] = linear[i] + R::linear(carried[i]);
+                    linear[i] = linear[i] + R::linear(stage.carried[i]);
                 }
             }
-            let model = models.input(k);
-            let (extra, slope) = match model {
-                InputModel::Free(extra, slope) => (extra, slope),
-                InputModel::Held(_, slope) => (0.0, slope),
-            };
-            let f = dynamics.crossed::<SHAPE>(pb);
-            let mut next = q;
-            let mut gradient = models.state(k, &mut next);
-            let apa = dynamics.congruence::<SHAPE>(&p);
             let [l0, l1, l2] = linear;
-            let mut beta = l2 * R::splat(lq.b[2]);
+            let mut beta = l2 * b[2];
             if SHAPE < CHAIN {
-                beta = beta + (l0 * R::splat(lq.b[0]) + l1 * R::splat(lq.b[1]));
+                beta = beta + (l0 * b[0] + l1 * b[1]);
             }
-            let pull = beta + R::linear(slope);
+            let pull = beta + stage.slope;
+            let feedforward = pull * R::splat(gain.inverse);
+            gain.feedforward = feedforward.lanes().0;
             let (k0, k1) = if SHAPE != GENERAL { (l0, l1) } else { (a00 * l0, a11 * l1) };
             let ahead = if SHAPE == PLAIN { a12 * l1 } else { a02 * l0 + a12 * l1 };
             linear = [k0, a01 * l0 + k1, ahead + a22 * l2];
             for i in 0..3 {
-                next.0[i] = next.0[i] + apa.0[i];
+                if stage.held.is_none() {
+                    linear[i] = linear[i] - R::splat(gain.feedback[i]) * pull;
+                }
+                linear[i] = linear[i] + stage.gradient[i];
             }
-            // Two paths of equal length lead from `P` to the next one. One is this division with a
-            // product on either side, the other `A'P A`. The division stands where its result is
-            // needed, so that it is not spilled to memory.
-            let curvature = if SHAPE >= CHAIN {
-                last_squared * p.0[2].to_array()[2]
-            } else {
-                let [p0, p1, p2, _] = pb.to_array();
-                lq.input_of::<SHAPE>(&[p0, p1, p2])
-            };
-            let inverse = 1.0 / ((lq.r + extra) + curvature);
-            let feedforward = pull * R::splat(inverse);
-            let [f0, f1, f2, _] = f.to_array();
-            let [e0, e1, e2, _] = (f * V::all(inverse)).to_array();
-            let feedback = [e0, e1, e2];
-            gains[k] = Gain { feedback, inverse, feedforward: feedforward.lanes().to_array() };
-            if let InputModel::Held(u, _) = model {
-                for (slope, f) in gradient.iter_mut().zip([f0, f1, f2]) {
-                    *slope += f * u;
-                }
-                if R::HAS_TERMINAL {
-                    reached = reached + (beta * R::splat(u)).lanes();
-                }
-            } else {
-                for i in 0..3 {
-                    next.0[i] = next.0[i] - (f.lane(i) * f) * V::all(inverse);
-                    linear[i] = linear[i] - R::splat(feedback[i]) * pull;
-                }
-                if R::HAS_TERMINAL {
+            if R::HAS_TERMINAL {
+                if let Some(u) = stage.held {
+                    reached = reached + beta.lanes() * Lanes::all(u);
+                } else {
                     dual.add(beta.lanes(), feedforward.lanes());
-                    reached = reached - beta.lanes() * feedforward.lanes().lane(3);
+                    reached = reached - beta.lanes() * Lanes::all(feedforward.lanes().0[3]);
                 }
-            }
-            p = next;
-            for i in 0..3 {
-                linear[i] = linear[i] + R::linear(gradient[i]);
-            }
-            if k % STRIDE == 0 {
-                sweep.hessians[k / STRIDE] = p.entries();
-                sweep.costs[k / STRIDE] = cost_to_go(linear, dual, reached);
             }
         }
-        cost_to_go(linear, dual, reached)
+        if M::IS_WHOLE && (WIDTH * j) % STRIDE == 0 {
+            hessians[WIDTH * j / STRIDE] = p;
+            costs[WIDTH * j / STRIDE] = CostToGo { linear: linear.map(R::lanes), dual, reached };
+        }
     }
-}
-
-/// Returns the stored data of a stage.
-#[inline(always)]
-fn cost_to_go<V: Vector, R: Row<V>>([l0, l1, l2]: [R; 3], dual: Dual<V>, reached: V) -> CostToGo {
-    let lanes = Lanes::from_vector::<V>;
-    CostToGo {
-        linear: [lanes(l0.lanes()), lanes(l1.lanes()), lanes(l2.lanes())],
-        dual: Dual { diagonal: lanes(dual.diagonal), beside: lanes(dual.beside) },
-        reached: lanes(reached),
-    }
+    CostToGo { linear: linear.map(R::lanes), dual, reached }
 }

@@ -7,9 +7,7 @@ use crate::problem::Problem;
 pub(in crate::riccati) type Shape = u8;
 /// No structure.
 pub(in crate::riccati) const GENERAL: Shape = 0;
-/// The first two states integrate: `a_00 = a_11 = 1`.
-pub(in crate::riccati) const INTEGRATING: Shape = 1;
-/// [`INTEGRATING`], and the input acts on the last state only.
+/// The first two states integrate (`a_00 = a_11 = 1`), and the input acts on the last state only.
 pub(in crate::riccati) const CHAIN: Shape = 2;
 /// [`CHAIN`] with `a_02 = 0` (a constant gap) and `s = 0` (no cost of jerk); the bits are those of
 /// a chain.
@@ -22,7 +20,6 @@ pub(super) fn shape_of(problem: &Problem) -> Shape {
     match (is_integrating, is_last_only) {
         (true, true) if is_plain => PLAIN,
         (true, true) => CHAIN,
-        (true, false) => INTEGRATING,
         _ => GENERAL,
     }
 }

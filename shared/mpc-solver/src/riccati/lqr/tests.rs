@@ -1,51 +1,91 @@
 use super::*;
 
-/// Models with inputs held and free in turn, and the cost's own gradients.
-struct Alternating<'a>(&'a Problem);
+/// The cost with some inputs held.
+struct Held<'a> {
+    cost: &'a Cost,
+    sides: &'a [bool],
+}
 
-impl StageModels for Alternating<'_> {
-    fn input(&self, k: usize) -> InputModel {
-        let slope = self.0.r_lin[k];
-        if k % 5 == 3 { InputModel::Held(0.5, slope) } else { InputModel::Free(0.0, slope) }
+impl BlockModels for Held<'_> {
+    const IS_WHOLE: bool = true;
+
+    fn block(&mut self, j: usize) -> BlockModel {
+        self.cost.block(j)
     }
 
-    fn state<V: Vector>(&self, k: usize, _: &mut Rows<V>) -> [f64; 3] {
-        if k < self.0.horizon { self.0.q_lin[k] } else { self.0.p_lin }
+    fn held(&self, k: usize) -> Option<f64> {
+        self.sides[k].then_some(0.5)
     }
 }
 
+/// Every fifth input is held.
+const SIDES: [bool; 21] = {
+    let mut sides = [false; 21];
+    let mut k = 3;
+    while k < sides.len() {
+        sides[k] = true;
+        k += 5;
+    }
+    sides
+};
+
+fn problem(is_fixed: bool, is_disturbed: bool) -> Problem {
+    let builder = Problem::builder(21)
+        .dynamics([[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 0.8]], [0.0, 0.0, 0.2])
+        .state_weights([3.0, 20.0, 0.7])
+        .input_cost(1.3)
+        .input_bounds(-1.0, 1.0);
+    let builder = if is_fixed { builder.terminal_equality([0.0; 3]) } else { builder };
+    let mut problem = builder.build().expect("a valid problem");
+    if is_disturbed {
+        for (k, d) in problem.disturbances_mut().iter_mut().enumerate() {
+            *d = [0.0, 0.01 * k as f64, 0.02];
+        }
+    }
+    problem
+}
+
+fn sweep(problem: &Problem, lq: &LinearQuadratic, sides: &[bool], last: usize, into: &mut Sweep) {
+    let mut cost = Cost::new(problem.horizon);
+    cost.start(problem);
+    lq.factor(problem, &mut Held { cost: &cost, sides }, into, last);
+}
+
 /// Returns the bits of all gains.
-fn gains(problem: &Problem, lq: &LinearQuadratic) -> Vec<[u64; 8]> {
-    let mut sweep = Sweep::new(problem.horizon);
-    lq.factor(problem, &Alternating(problem), &mut sweep, problem.horizon);
+fn bits(sweep: &Sweep) -> Vec<[u64; 8]> {
     let of = |gain: &Gain| {
         let ([a, b, c], [d, e, f, g]) = (gain.feedback, gain.feedforward);
         [a, b, c, d, e, f, g, gain.inverse].map(f64::to_bits)
     };
-    sweep.gains[..problem.horizon].iter().map(of).collect()
+    sweep.gains[..21].iter().map(of).collect()
 }
 
 #[test]
 fn plain_dynamics_have_the_same_bits_as_a_chain_with_zeros() {
-    for is_fixed in [false, true] {
-        let builder = Problem::builder(21)
-            .dynamics([[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 0.8]], [0.0, 0.0, 0.2])
-            .state_weights([3.0, 20.0, 0.7])
-            .input_cost(1.3)
-            .input_bounds(-1.0, 1.0);
-        let builder = if is_fixed { builder.terminal_equality([0.0; 3]) } else { builder };
-        let mut problem = builder.build().expect("a valid problem");
-        for is_disturbed in [false, true] {
-            if is_disturbed {
-                for (k, d) in problem.disturbances_mut().iter_mut().enumerate() {
-                    *d = [0.0, 0.01 * k as f64, 0.02];
-                }
-            }
-            let lq = LinearQuadratic::new(&problem);
-            assert_eq!(lq.shape, PLAIN);
-            let plain = gains(&problem, &lq);
-            let chain = gains(&problem, &LinearQuadratic { shape: CHAIN, ..lq });
-            assert_eq!(plain, chain);
+    for (is_fixed, is_disturbed) in [(false, false), (false, true), (true, false), (true, true)] {
+        let problem = problem(is_fixed, is_disturbed);
+        let lq = LinearQuadratic::new(&problem);
+        assert_eq!(lq.shape, PLAIN);
+        let [mut plain, mut chain] = [Sweep::new(21), Sweep::new(21)];
+        sweep(&problem, &lq, &SIDES, 21, &mut plain);
+        sweep(&problem, &LinearQuadratic { shape: CHAIN, ..lq }, &SIDES, 21, &mut chain);
+        assert_eq!(bits(&plain), bits(&chain));
+    }
+}
+
+#[test]
+fn a_sweep_that_is_resumed_has_the_bits_of_a_whole_one() {
+    for (is_fixed, is_disturbed) in [(false, true), (true, true)] {
+        let problem = problem(is_fixed, is_disturbed);
+        let lq = LinearQuadratic::new(&problem);
+        for last in [0, 3, 7, 8, 15, 20] {
+            let mut sides = SIDES;
+            sides[last] ^= true;
+            let [mut resumed, mut whole] = [Sweep::new(21), Sweep::new(21)];
+            sweep(&problem, &lq, &SIDES, 21, &mut resumed);
+            sweep(&problem, &lq, &sides, last, &mut resumed);
+            sweep(&problem, &lq, &sides, 21, &mut whole);
+            assert_eq!(bits(&resumed), bits(&whole), "{last}");
         }
     }
 }
