@@ -174,14 +174,14 @@ fn residuals_of(
             cancelled = cancelled.max(dot(&problem.b, &costate).abs());
             worst(&mut out.stationarity, (v.abs() / scale.max(cancelled)).min(room.max(0.0)));
             worst(&mut out.feasibility, (problem.u_min - u).max(u - problem.u_max).max(0.0));
-            // The costate of the stage ahead comes last in each sum: the next one waits for it.
-            let (a, q, s, own) = (&problem.a, &problem.q, &problem.s, &problem.q_lin[k]);
-            let own = [0, 1, 2].map(|i: usize| dot(&q[i], x) + (own[i] + s[i] * u));
-            costate = [
-                a[0][0] * costate[0] + own[0],
-                a[0][1] * costate[0] + (a[1][1] * costate[1] + own[1]),
-                a[0][2] * costate[0] + (a[1][2] * costate[1] + (a[2][2] * costate[2] + own[2])),
+            let (a, q, s) = (&problem.a, &problem.q, &problem.s);
+            let ahead = [
+                a[0][0] * costate[0],
+                a[0][1] * costate[0] + a[1][1] * costate[1],
+                a[0][2] * costate[0] + a[1][2] * costate[1] + a[2][2] * costate[2],
             ];
+            let q_lin = &problem.q_lin[k];
+            costate = [0, 1, 2].map(|i| (ahead[i] + dot(&q[i], x)) + (q_lin[i] + s[i] * u));
         }
         for (j, row) in problem.rows.iter().enumerate().take(forced) {
             let mu = multipliers.rows[j][k];
