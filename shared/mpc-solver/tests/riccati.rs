@@ -129,10 +129,9 @@ fn solves_random_feasible_problems() {
     solve_random(1_000..11_000);
 }
 
-/// With separate primal and dual lengths to the end, the iterates of this problem's first start
-/// cycle.
+/// With separate primal and dual lengths, the iterates of this problem's first start cycle.
 #[test]
-fn a_stalled_interior_point_goes_on_with_a_common_length() {
+fn one_length_of_the_interior_point_does_not_cycle() {
     let mut solver = Riccati::new(150);
     let problem = random::problem(&mut Draw::new(23_192));
     let report = solver.solve(&problem, Start::Cold);
@@ -315,7 +314,7 @@ fn the_answers_have_the_same_bits_with_wide_registers_and_without() {
             solver.inputs().iter().copied().for_each(&mut add);
         }
     }
-    assert_eq!(sum, 0xdb56_ebf0_6bf6_0494, "{sum:#x}");
+    assert_eq!(sum, 0x3081_b6cd_8bd5_6b81, "{sum:#x}");
 }
 
 /// `cargo test --release -p mpc-solver --test riccati -- --ignored --nocapture 100_000`: about a

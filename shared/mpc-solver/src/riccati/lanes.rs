@@ -39,25 +39,6 @@ impl Lanes {
         Self(std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] }))
     }
 
-    /// Returns `self` in the lanes where `condition` holds, `other` elsewhere.
-    #[inline(always)]
-    pub(super) fn where_or(self, condition: [bool; WIDTH], other: Self) -> Self {
-        let (a, b) = (self.0, other.0);
-        Self(std::array::from_fn(|i| if condition[i] { a[i] } else { b[i] }))
-    }
-
-    /// Returns the lane-wise square roots.
-    #[inline(always)]
-    pub(super) fn sqrt(self) -> Self {
-        Self(self.0.map(f64::sqrt))
-    }
-
-    /// Returns the lane-wise absolute values.
-    #[inline(always)]
-    pub(super) fn abs(self) -> Self {
-        Self(self.0.map(f64::abs))
-    }
-
     /// Returns the sum of the lanes; not inlined, see the head of the module.
     #[inline(never)]
     pub(super) fn sum(self) -> f64 {

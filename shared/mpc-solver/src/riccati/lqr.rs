@@ -33,7 +33,6 @@
 
 mod backward;
 mod cost;
-mod shape;
 #[cfg(test)]
 mod tests;
 
@@ -42,18 +41,22 @@ use super::matrix::{Factors, Symmetric};
 use crate::problem::Problem;
 pub(super) use backward::{BlockModels, Unconstrained};
 pub(super) use cost::{BlockModel, Cost};
-use shape::shape_of;
-pub(super) use shape::{CHAIN, GENERAL, PLAIN, Shape};
+
+/// Structure of the dynamics known at compile time. Products with one and sums with zero cost nothing, and dependent
+/// results come earlier.
+pub(super) type Shape = u8;
+/// No structure.
+pub(super) const GENERAL: Shape = 0;
+/// The first two states integrate (`a_00 = a_11 = 1`), and the input acts on the last state only.
+pub(super) const CHAIN: Shape = 1;
 
 /// Constant part of a problem, unpacked for the recursion.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct LinearQuadratic {
     a: Symmetric,
     b: [f64; 3],
-    q: Symmetric,
     s: [f64; 3],
     r: f64,
-    p: Symmetric,
     pub(super) shape: Shape,
     /// True if any `d_k` is nonzero.
     pub(super) has_disturbance: bool,
@@ -144,15 +147,15 @@ impl LinearQuadratic {
     pub(super) fn new(problem: &Problem) -> Self {
         let n = problem.horizon;
         let has_disturbance = problem.d[..n].iter().any(|d| *d != [0.0; 3]);
+        let is_chain =
+            [problem.a[0][0], problem.a[1][1], problem.b[0], problem.b[1]] == [1.0, 1.0, 0.0, 0.0];
         let upper = |m: &[[f64; 3]; 3]| [m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]];
         Self {
             a: upper(&problem.a),
             b: problem.b,
-            q: upper(&problem.q),
             s: problem.s,
             r: problem.r,
-            p: upper(&problem.p),
-            shape: shape_of(problem),
+            shape: if is_chain { CHAIN } else { GENERAL },
             has_disturbance,
             has_linear_terms: problem.has_linear_terms(),
         }
@@ -164,25 +167,12 @@ impl LinearQuadratic {
         if SHAPE != GENERAL { x } else { [self.a[0] * x[0], self.a[3] * x[1]] }
     }
 
-    /// Returns `a_02 x + rest`.
-    #[inline(always)]
-    fn ahead<const SHAPE: Shape>(&self, x: f64, rest: f64) -> f64 {
-        if SHAPE == PLAIN { rest } else { self.a[2] * x + rest }
-    }
-
-    /// Returns `F`, given `A'P B`.
-    #[inline(always)]
-    fn crossed<const SHAPE: Shape>(&self, [f0, f1, f2]: [f64; 3]) -> [f64; 3] {
-        let s = &self.s;
-        if SHAPE == PLAIN { [f0, f1, f2] } else { [f0 + s[0], f1 + s[1], f2 + s[2]] }
-    }
-
     /// Returns `A'v`.
     #[inline(always)]
     pub(super) fn transposed<const SHAPE: Shape>(&self, v: &[f64; 3]) -> [f64; 3] {
-        let [_, a01, _, _, a12, a22] = self.a;
+        let [_, a01, a02, _, a12, a22] = self.a;
         let [v0, v1] = self.kept::<SHAPE>([v[0], v[1]]);
-        [v0, a01 * v[0] + v1, self.ahead::<SHAPE>(v[0], a12 * v[1]) + a22 * v[2]]
+        [v0, a01 * v[0] + v1, a02 * v[0] + a12 * v[1] + a22 * v[2]]
     }
 
     /// Returns `A x + B u`.
@@ -191,8 +181,7 @@ impl LinearQuadratic {
         let [_, a01, a02, _, a12, a22] = self.a;
         let b = &self.b;
         let [x0, x1] = self.kept::<SHAPE>([x[0], x[1]]);
-        let speed = x0 + a01 * x[1];
-        let first = if SHAPE == PLAIN { speed } else { speed + a02 * x[2] };
+        let first = x0 + a01 * x[1] + a02 * x[2];
         let second = x1 + a12 * x[2];
         let third = a22 * x[2] + b[2] * u;
         if SHAPE >= CHAIN {
@@ -228,7 +217,7 @@ impl LinearQuadratic {
         slope: f64,
         added: &[f64; 3],
     ) -> [f64; 3] {
-        let [_, a01, _, _, a12, a22] = self.a;
+        let [_, a01, a02, _, a12, a22] = self.a;
         let [v0, v1] = self.kept::<SHAPE>([v[0], v[1]]);
         let (f, last) = (&gain.feedback, self.b[2]);
         let rest =
@@ -236,7 +225,7 @@ impl LinearQuadratic {
         // The last component of `v` comes last, because it has just been computed.
         let first = (v0 + added[0]) - f[0] * rest;
         let second = (a01 * v[0] + v1 + added[1]) - f[1] * rest;
-        let third = (self.ahead::<SHAPE>(v[0], a12 * v[1]) + added[2]) - f[2] * rest;
+        let third = (a02 * v[0] + a12 * v[1] + added[2]) - f[2] * rest;
         [
             first - (f[0] * last) * v[2],
             second - (f[1] * last) * v[2],
@@ -254,8 +243,8 @@ impl LinearQuadratic {
     /// Returns `A'P A`.
     #[inline(always)]
     fn congruence<const SHAPE: Shape>(&self, p: &Symmetric) -> Symmetric {
-        let [_, a01, _, _, a12, a22] = self.a;
-        let ahead = |x: f64, rest: f64| self.ahead::<SHAPE>(x, rest);
+        let [_, a01, a02, _, a12, a22] = self.a;
+        let ahead = |x: f64, rest: f64| a02 * x + rest;
         let [p00, p01, p02, p11, p12, p22] = *p;
         let [m00, k11] = self.kept::<SHAPE>([p00, p11]);
         let [k00, k01] = self.kept::<SHAPE>([m00, p01]);

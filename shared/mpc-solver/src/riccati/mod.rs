@@ -1,10 +1,10 @@
 //! Solver made for the problem: an active-set method for the common case, and an interior point for the rest. Both use
 //! one stage-wise recursion.
 //!
-//! Short horizons have a method of their own ([`short`]). It comes between the first two phases, and once more before
-//! the last one. Each phase of a solve either ends it or hands over to the next:
+//! Each phase of a solve either ends it or hands over to the next:
 //!
-//! 1. *Warm* ([`Riccati::warm`]): the active set from the previous solution, moved forward.
+//! 1. *Short* ([`Riccati::short`]), for short horizons alone: a dual active set, warm or cold ([`short`]). If the second
+//!    phase fails, it tries once more.
 //! 2. *Cold* ([`Riccati::cold`]): the active set without a guess ([`active_set`]).
 //! 3. *Interior point* ([`Riccati::interior`]), started near an early trajectory of the cold attempt
 //!    ([`interior_point`]). Once its steps are nearly full, they show which inequalities are active. The active set
@@ -14,39 +14,35 @@
 //! [`crate::residuals`] checks every returned point and is independent of the methods. The status is [`Status::Solved`]
 //! only if the optimality conditions hold to 1e-8.
 //!
-//! Every loop is bounded, and so is the time. At most there are 12 warm and 15 cold rounds, and three starts of the
-//! interior point. Each start has 60 iterations and four attempts of five rounds to finish. Together these are 267
-//! sweeps over the horizon, linear in `N`. The tests on 400,000 random feasible problems print the largest number used,
+//! Every loop is bounded, and so is the time. At most there are 15 cold rounds, and three starts of the interior point.
+//! Each start has 60 iterations and four attempts of five rounds to finish. Together these are 255 sweeps over the
+//! horizon, linear in `N`. The tests on 400,000 random feasible problems print the largest number used,
 //! and so does the fuzzer on hostile ones.
 //!
-//! The equations are at the head of [`lqr`]. [`light_curve`] and [`row_curve`] describe the active
-//! set's view of the penalties, [`interior_point`] the inequalities as pairs.
+//! The equations are at the head of [`lqr`]. [`curve`] describes the active set's view of the penalties,
+//! [`interior_point`] the inequalities as pairs.
 
 mod active_set;
 mod complementarity;
+mod curve;
 mod infeasibility;
 mod interior_point;
 mod lanes;
-mod light_curve;
 mod lqr;
 mod matrix;
-mod row_curve;
 mod short;
 mod working_set;
 
 use crate::kkt::{Multipliers, Residuals, residuals, residuals_without_rows};
 use crate::problem::Problem;
 use crate::solver::{Report, Solver, Start, Status};
-use active_set::{ActiveSet, From, Outcome, Point};
+use active_set::{ActiveSet, From, Point};
 use interior_point::InteriorPoint;
 use lqr::LinearQuadratic;
 use short::{Short, ShortStart};
 
 /// Largest scaled residual of the optimality conditions that counts as solved.
 const TOLERANCE: f64 = 1e-8;
-/// Largest number of warm rounds. With many acting rows a wrong guess is not worth more.
-const WARM_ROUNDS: u32 = 12;
-const WARM_ROUNDS_WITH_ROW_TANGENTS: u32 = 2;
 /// Largest number of iterations from one start of the interior point.
 const MAX_ITERATIONS: u32 = 60;
 /// Mean product of the pairs below which the optimality conditions are evaluated.
@@ -58,11 +54,10 @@ const RESIDUAL_TOLERANCE: f64 = 1e-9;
 const MAX_EVALUATIONS: u32 = 8;
 const PROGRESS: f64 = 0.7;
 /// Conditions under which the active set tries to finish: remaining fractions of the linear residuals and of the mean
-/// product, number of attempts, and rounds of each.
+/// product, and number of attempts.
 const FINISH_RESIDUAL: f64 = 1e-3;
 const FINISH_PRODUCT: f64 = 1e-2;
 const MAX_FINISHES: u32 = 3;
-const FINISH_ROUNDS: u32 = 5;
 /// Length of a step below which the problem may be infeasible: infeasible problems have short
 /// steps.
 const HINDERED: f64 = 0.5;
@@ -97,14 +92,6 @@ enum Descent {
     Stuck,
 }
 
-/// Method of the last solution, whose guess can start the next solve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Settled {
-    None,
-    Short,
-    ActiveSet,
-}
-
 /// Solver made for the problem at the head of the crate.
 #[derive(Clone, Debug)]
 pub struct Riccati {
@@ -119,7 +106,8 @@ pub struct Riccati {
     /// Sweeps of the current solve, and those of them that the interior point made.
     iterations: u32,
     interior_iterations: u32,
-    settled: Settled,
+    /// True after a solution by the method for short horizons, which can start the next solve.
+    has_guess: bool,
 }
 
 impl Riccati {
@@ -136,7 +124,7 @@ impl Riccati {
             horizon: 0,
             iterations: 0,
             interior_iterations: 0,
-            settled: Settled::None,
+            has_guess: false,
         }
     }
 
@@ -151,25 +139,8 @@ impl Riccati {
         let Self { short, inputs, states, multipliers, .. } = &*self;
         let evaluate = if short.holds_rows() { residuals } else { residuals_without_rows };
         let found = evaluate(problem, inputs, states, multipliers);
-        self.settle(Settled::Short, found)
-    }
-
-    /// Returns the solution of a method if the optimality conditions hold.
-    fn settle(&mut self, method: Settled, found: Residuals) -> Option<Ending> {
-        let is_solved = found.max() <= TOLERANCE;
-        self.settled = if is_solved { method } else { Settled::None };
-        is_solved.then_some((Status::Solved, found))
-    }
-
-    /// Phase 1; `None` without a previous solution or after a failed attempt.
-    fn warm(&mut self, problem: &Problem, lq: &LinearQuadratic, steps: usize) -> Option<Ending> {
-        self.active.shift(problem, steps);
-        let rounds = if self.active.has_acting_row_tangents() {
-            WARM_ROUNDS_WITH_ROW_TANGENTS
-        } else {
-            WARM_ROUNDS
-        };
-        self.try_active(problem, lq, From::Previous(rounds))
+        self.has_guess = found.max() <= TOLERANCE;
+        self.has_guess.then_some((Status::Solved, found))
     }
 
     /// Phase 2; `None` after a failed attempt.
@@ -211,7 +182,7 @@ impl Riccati {
             if finishes < MAX_FINISHES && step.is_fast() && is_near {
                 finishes += 1;
                 self.interior.suggest(problem, &mut self.active.guess);
-                if let Some(ending) = self.try_active(problem, lq, From::Iterate(FINISH_ROUNDS)) {
+                if let Some(ending) = self.try_active(problem, lq, From::Iterate) {
                     return Descent::Ended(ending);
                 }
             }
@@ -225,7 +196,7 @@ impl Riccati {
                 if evaluations == MAX_EVALUATIONS {
                     // The active inequalities are long known; only digits are missing.
                     self.interior.suggest(problem, &mut self.active.guess);
-                    let polished = self.try_active(problem, lq, From::Iterate(FINISH_ROUNDS));
+                    let polished = self.try_active(problem, lq, From::Iterate);
                     let ending = polished
                         .unwrap_or_else(|| (Status::IterationLimit, self.take_iterate(problem)));
                     return Descent::Ended(ending);
@@ -255,17 +226,17 @@ impl Riccati {
         from: From,
     ) -> Option<Ending> {
         let Self { active, inputs, states, multipliers, .. } = self;
-        let (outcome, rounds) =
+        let (is_settled, rounds) =
             active.solve(problem, lq, from, &mut Point { inputs, states, multipliers });
         self.iterations += rounds;
-        if outcome == Outcome::GivenUp {
+        if !is_settled {
             return None;
         }
         // The states of the attempt come from the closed loop. Except for rounding, they are those
         // that follow from the inputs; hostile numbers magnify rounding.
         problem.roll_out(&self.inputs, &mut self.states);
         let found = self.residuals(problem);
-        self.settle(Settled::ActiveSet, found)
+        (found.max() <= TOLERANCE).then_some((Status::Solved, found))
     }
 
     /// Adopts the interior point's iterate as the solution.
@@ -288,7 +259,7 @@ impl Riccati {
     /// Returns the report of a problem that cannot be solved because of its numbers.
     fn refuse(&mut self, problem: &Problem) -> Report {
         self.horizon = problem.horizon.min(self.capacity);
-        self.settled = Settled::None;
+        self.has_guess = false;
         self.inputs.fill(0.0_f64.max(problem.u_min).min(problem.u_max));
         self.states.fill(problem.x0);
         self.multipliers.clear();
@@ -304,24 +275,20 @@ impl Solver for Riccati {
         if n > self.capacity || problem.check().is_err() {
             return self.refuse(problem);
         }
-        let before = if self.horizon == n { self.settled } else { Settled::None };
-        let warm = |method: Settled| match start {
-            Start::Shifted(steps) if before == method => Some(steps),
-            _ => None,
+        let first = match start {
+            Start::Shifted(steps) if self.has_guess && self.horizon == n => {
+                ShortStart::Shifted(steps)
+            }
+            _ => ShortStart::Cold,
         };
         self.horizon = n;
-        self.settled = Settled::None;
-        let first = warm(Settled::Short).map_or(ShortStart::Cold, ShortStart::Shifted);
-        let shifted = warm(Settled::ActiveSet);
-        let (status, residuals) = shifted
-            .and_then(|steps| self.warm(problem, &LinearQuadratic::new(problem), steps))
-            .or_else(|| self.short(problem, first))
-            .unwrap_or_else(|| {
-                let lq = LinearQuadratic::new(problem);
-                self.cold(problem, &lq)
-                    .or_else(|| self.short(problem, ShortStart::Last))
-                    .unwrap_or_else(|| self.interior(problem, &lq))
-            });
+        self.has_guess = false;
+        let (status, residuals) = self.short(problem, first).unwrap_or_else(|| {
+            let lq = LinearQuadratic::new(problem);
+            self.cold(problem, &lq)
+                .or_else(|| self.short(problem, ShortStart::Last))
+                .unwrap_or_else(|| self.interior(problem, &lq))
+        });
         let end = &self.states[n];
         if !(end[0] + end[1] + end[2]).is_finite() {
             return self.refuse(problem);

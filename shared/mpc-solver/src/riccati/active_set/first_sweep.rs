@@ -1,20 +1,19 @@
 //! Backward sweep of the first round, cached from solve to solve.
 //!
-//! In a cold first round all inputs are free and the light is absent. In a warm one this often
-//! holds from some stage on. Without linear terms, the sweep down to that stage depends on the
-//! matrices alone: it is the unconstrained regulator's sweep. A controller that solves the same
-//! program in every cycle, with other states and another light, need not repeat it.
+//! In a cold first round all inputs are free and the light is absent. Without linear terms, the sweep depends on the
+//! matrices alone: it is the unconstrained regulator's sweep. A controller that solves the same program in every cycle,
+//! with other states and another light, need not repeat it.
 //!
 //! The cache holds exactly the numbers that a new computation gives, so a result does not depend on
 //! earlier solves.
 
-use crate::problem::{Problem, Terminal};
-use crate::riccati::lqr::{BlockModels, Cost, CostToGo, LinearQuadratic, Sweep, Unconstrained};
+use crate::problem::Problem;
+use crate::riccati::lqr::{Cost, CostToGo, LinearQuadratic, Sweep, Unconstrained};
 
-/// The sweep, and the matrices it was computed from.
+/// The sweep, and the build of the problem that it was computed from.
 #[derive(Clone, Debug)]
 pub(super) struct FirstSweep {
-    made_from: Option<(LinearQuadratic, usize, bool)>,
+    made_from: Option<u64>,
     sweep: Sweep,
     cost_to_go: CostToGo,
 }
@@ -24,28 +23,23 @@ impl FirstSweep {
         Self { made_from: None, sweep: Sweep::new(max_horizon), cost_to_go: CostToGo::default() }
     }
 
-    /// Fills `sweep` for the first round of an attempt, which holds inputs and places tangents only
-    /// up to stage `last`.
-    pub(super) fn fill<M: BlockModels>(
+    /// Fills `sweep` for free inputs.
+    pub(super) fn fill(
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
         cost: &Cost,
-        models: &mut M,
-        last: usize,
         sweep: &mut Sweep,
     ) -> CostToGo {
         let n = problem.horizon;
-        if lq.has_linear_terms || last == n {
-            return lq.factor(problem, models, sweep, n);
+        if lq.has_linear_terms {
+            return lq.factor(problem, &mut Unconstrained(cost), sweep, n);
         }
-        let is_fixed = matches!(problem.terminal, Terminal::Equality(_));
-        let made_from = Some((*lq, n, is_fixed));
-        if self.made_from != made_from {
+        if self.made_from != Some(problem.build) {
             self.cost_to_go = lq.factor(problem, &mut Unconstrained(cost), &mut self.sweep, n);
-            self.made_from = made_from;
+            self.made_from = Some(problem.build);
         }
         sweep.copy_from(&self.sweep, n);
-        if last == 0 { self.cost_to_go } else { lq.factor(problem, models, sweep, last) }
+        self.cost_to_go
     }
 }

@@ -12,7 +12,7 @@ use super::response::RowResponse;
 use super::rows::MAX_WORKING_ROWS;
 use super::rows::WorkingRow;
 use crate::problem::Problem;
-use crate::riccati::lqr::{CHAIN, GENERAL, LinearQuadratic, PLAIN, Shape, Sweep};
+use crate::riccati::lqr::{CHAIN, GENERAL, LinearQuadratic, Shape, Sweep};
 use crate::riccati::working_set::Side;
 
 /// Everything that determines the inputs.
@@ -25,20 +25,17 @@ pub(super) struct Policy<'a> {
     pub(super) rows: &'a [WorkingRow],
 }
 
-/// Trajectory, the sides it suggests, and its inputs before clamping.
+/// Trajectory, and the sides it suggests.
 pub(super) struct Trajectory<'a> {
     pub(super) inputs: &'a mut [f64],
     pub(super) states: &'a mut [[f64; 3]],
     pub(super) sides: &'a mut [Side],
-    pub(super) unclamped: &'a mut [f64],
 }
 
 impl Policy<'_> {
     /// Fills the trajectory.
     pub(super) fn simulate(&self, problem: &Problem, trajectory: &mut Trajectory) {
         match (self.lq.shape, self.lq.has_disturbance) {
-            (PLAIN, false) => sweep_forward::<PLAIN, false>(self, problem, trajectory),
-            (PLAIN, true) => sweep_forward::<PLAIN, true>(self, problem, trajectory),
             (CHAIN, false) => sweep_forward::<CHAIN, false>(self, problem, trajectory),
             (CHAIN, true) => sweep_forward::<CHAIN, true>(self, problem, trajectory),
             _ => sweep_forward::<GENERAL, true>(self, problem, trajectory),
@@ -56,7 +53,7 @@ fn sweep_forward<const SHAPE: Shape, const DISTURBED: bool>(
     let (lq, y) = (policy.lq, &policy.terminal);
     let (gains, d) = (&policy.sweep.gains[..n], &problem.d[..n]);
     let (inputs, states) = (&mut trajectory.inputs[..n], &mut trajectory.states[..=n]);
-    let (sides, unclamped) = (&mut trajectory.sides[..n], &mut trajectory.unclamped[..n]);
+    let sides = &mut trajectory.sides[..n];
     let mut mu = [0.0; MAX_WORKING_ROWS];
     for (slot, row) in mu.iter_mut().zip(policy.rows) {
         *slot = row.multiplier;
@@ -86,7 +83,6 @@ fn sweep_forward<const SHAPE: Shape, const DISTURBED: bool>(
         } else {
             (lq.closed_step::<SHAPE>(&x, gain, offset, v), v, Side::Free)
         };
-        unclamped[k] = v;
         sides[k] = side;
         inputs[k] = u;
         x = if DISTURBED { std::array::from_fn(|i| next[i] + d[k][i]) } else { next };

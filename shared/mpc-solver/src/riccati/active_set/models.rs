@@ -1,31 +1,18 @@
 //! The guess of the active set as models of the stages, for the backward sweep.
 
-use crate::problem::{LightStage, Problem};
+use crate::problem::Problem;
+use crate::riccati::curve::Tangent;
 use crate::riccati::lanes::{Lanes, WIDTH};
-use crate::riccati::light_curve::LightTangent;
 use crate::riccati::lqr::{BlockModel, BlockModels, Cost};
-use crate::riccati::row_curve::RowTangent;
-use crate::riccati::working_set::Side;
+use crate::riccati::working_set::{Side, WorkingSet};
 
 /// The guess as models of the stages.
 pub(super) struct Models<'a> {
     pub(super) problem: &'a Problem,
     pub(super) cost: &'a Cost,
-    pub(super) sides: &'a [Side],
-    pub(super) tangents: &'a [LightTangent],
-    pub(super) stages: &'a [LightStage],
-    pub(super) rows: &'a [Vec<RowTangent>],
-}
-
-impl Models<'_> {
-    /// Returns the last stage with a held input or a tangent; `n` with row tangents.
-    pub(super) fn last_modelled(&self, n: usize) -> usize {
-        if !self.rows.is_empty() {
-            return n;
-        }
-        let held = self.sides[..n].iter().rposition(|side| *side as i8 != Side::Free as i8);
-        held.map_or(0, |k| k + 1).max(self.stages.len()).min(n)
-    }
+    pub(super) guess: &'a WorkingSet,
+    /// Number of rows that the guess holds by their tangents.
+    pub(super) rows: usize,
 }
 
 impl BlockModels for Models<'_> {
@@ -33,43 +20,29 @@ impl BlockModels for Models<'_> {
 
     #[inline(always)]
     fn block(&mut self, j: usize) -> BlockModel {
-        let (problem, lit) = (self.problem, self.stages.len());
+        let (problem, guess) = (self.problem, self.guess);
         let mut model = self.cost.block(j);
-        let stages = WIDTH * j..(WIDTH * (j + 1)).min(problem.horizon + 1);
-        if lit > 0 && stages.start <= lit {
-            let (mut g, [mut curvature, mut slope]) = ([Lanes::default(); 3], Default::default());
-            for k in stages.start.max(1)..stages.end.min(lit + 1) {
-                let (stage, tangent) = (&self.stages[k - 1], &self.tangents[k - 1]);
-                let alpha = tangent.at_origin(stage.offset);
-                set(
-                    k % WIDTH,
-                    (&mut g, &stage.gradient),
-                    [(&mut curvature, tangent.slope), (&mut slope, -alpha)],
-                );
-            }
-            model.add(&g, curvature, slope);
+        let first = WIDTH * j;
+        if first <= problem.light_len && problem.light_len > 0 {
+            add(&mut model, &guess.light, first, problem.light_len, -1.0, |k| {
+                let stage = &problem.light_stages[k - 1];
+                (&stage.gradient, stage.offset)
+            });
         }
-        for (j, tangents) in self.rows.iter().enumerate() {
-            if !tangents[stages.clone()].iter().any(RowTangent::acts) {
-                continue;
+        for (j, tangents) in guess.rows[..self.rows].iter().enumerate() {
+            if tangents[first..].iter().take(WIDTH).any(Tangent::acts) {
+                let row = &problem.rows[j].gradient;
+                add(&mut model, tangents, first, problem.horizon, 1.0, |k| {
+                    (row, problem.limits[j][k])
+                });
             }
-            let (mut g, [mut curvature, mut slope]) = ([Lanes::default(); 3], Default::default());
-            for k in stages.clone().filter(|k| *k > 0 && tangents[*k].acts()) {
-                let force = tangents[k].at(-problem.limits[j][k]);
-                set(
-                    k % WIDTH,
-                    (&mut g, &problem.rows[j].gradient),
-                    [(&mut curvature, tangents[k].slope), (&mut slope, force)],
-                );
-            }
-            model.add(&g, curvature, slope);
         }
         model
     }
 
     #[inline(always)]
     fn held(&self, k: usize) -> Option<f64> {
-        match self.sides[k] {
+        match self.guess.sides[k] {
             Side::Free => None,
             Side::Upper => Some(self.problem.u_max),
             Side::Lower => Some(self.problem.u_min),
@@ -77,13 +50,30 @@ impl BlockModels for Models<'_> {
     }
 }
 
-/// Sets one lane of a function of `g'x`: its gradient, its curvature and its slope.
+/// Adds the tangents of a block up to stage `last`. `of` returns a stage's gradient and the margin of the zero state;
+/// `sign` is that of the force along the gradient.
 #[inline(always)]
-fn set(lane: usize, (to, gradient): (&mut [Lanes; 3], &[f64; 3]), numbers: [(&mut Lanes, f64); 2]) {
-    for (lanes, g) in to.iter_mut().zip(gradient) {
-        lanes.0[lane] = *g;
+fn add<'a>(
+    model: &mut BlockModel,
+    tangents: &[Tangent],
+    first: usize,
+    last: usize,
+    sign: f64,
+    of: impl Fn(usize) -> (&'a [f64; 3], f64),
+) {
+    let (mut g, [mut curvature, mut slope]) = ([Lanes::default(); 3], Default::default());
+    let (curvatures, slopes): (&mut Lanes, &mut Lanes) = (&mut curvature, &mut slope);
+    for k in (first.max(1)..=last).take_while(|k| *k < first + WIDTH) {
+        let tangent = &tangents[k];
+        if tangent.acts() {
+            let (gradient, offset) = of(k);
+            let lane = k % WIDTH;
+            for (lanes, g) in g.iter_mut().zip(gradient) {
+                lanes.0[lane] = *g;
+            }
+            curvatures.0[lane] = tangent.slope;
+            slopes.0[lane] = sign * tangent.at_origin(offset);
+        }
     }
-    for (lanes, number) in numbers {
-        lanes.0[lane] = number;
-    }
+    model.add(&g, curvature, slope);
 }

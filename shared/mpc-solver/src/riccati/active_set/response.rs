@@ -17,7 +17,7 @@ use multiversion::multiversion;
 use super::rows::MAX_WORKING_ROWS;
 use super::rows::WorkingRow;
 use crate::problem::{Problem, dot};
-use crate::riccati::lqr::{CHAIN, GENERAL, LinearQuadratic, PLAIN, Shape, Sweep};
+use crate::riccati::lqr::{CHAIN, GENERAL, LinearQuadratic, Shape, Sweep};
 use crate::riccati::working_set::Side;
 
 /// The columns and their sums.
@@ -57,8 +57,6 @@ impl RowResponse {
     ) {
         match (lq.shape, rows.len()) {
             (_, 0) => self.reach = 0,
-            (PLAIN, 0..=4) => columns::<4, PLAIN>(self, problem, lq, sweep, sides, rows),
-            (PLAIN, _) => columns::<8, PLAIN>(self, problem, lq, sweep, sides, rows),
             (CHAIN, 0..=4) => columns::<4, CHAIN>(self, problem, lq, sweep, sides, rows),
             (CHAIN, _) => columns::<8, CHAIN>(self, problem, lq, sweep, sides, rows),
             _ => columns::<8, GENERAL>(self, problem, lq, sweep, sides, rows),

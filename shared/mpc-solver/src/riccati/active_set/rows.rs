@@ -65,26 +65,6 @@ impl WorkingRows {
         &mut self.members
     }
 
-    /// Returns the last stage at which a row acts; 0 without one.
-    pub(super) fn last_acting_stage(&self) -> usize {
-        let acting = self.members.iter().filter(|member| member.multiplier > 0.0);
-        acting.fold(0, |last, member| last.max(member.stage))
-    }
-
-    /// Moves the members below stage `middle` forward by `steps` and drops those that leave their
-    /// row's stages.
-    pub(super) fn shift(&mut self, problem: &Problem, steps: usize, middle: usize) {
-        self.members.retain_mut(|member| {
-            if member.stage < middle {
-                member.stage = member.stage.saturating_sub(steps);
-            }
-            problem.rows.get(member.row).is_some_and(|row| {
-                (row.from..=row.to).contains(&member.stage)
-                    && problem.limits[member.row][member.stage] < f64::INFINITY
-            })
-        });
-    }
-
     /// Updates the set from a trajectory with at most `most_violated` violated stages.
     pub(super) fn update(
         &mut self,
@@ -203,19 +183,6 @@ fn count_violated(gradient: &[f64; 3], states: &[[f64; 3]], limits: &[f64]) -> u
     stages.map(|(x, h)| usize::from(is_violated(dot(gradient, x) - h, *h))).sum()
 }
 
-/// Returns whether more than `most` stages of a trajectory violate a row.
-pub(super) fn are_violated(problem: &Problem, states: &[[f64; 3]], most: usize) -> bool {
-    let mut violated = 0;
-    for (row, limits) in problem.rows.iter().zip(&problem.limits) {
-        if row.from <= row.to {
-            let stages = states[row.from..=row.to].iter().zip(&limits[row.from..=row.to]);
-            let z = stages.map(|(x, h)| dot(&row.gradient, x) - h);
-            violated += z.map(|z| usize::from(z > 0.0)).sum::<usize>();
-        }
-    }
-    violated > most
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,7 +202,12 @@ mod tests {
             .expect("a valid problem");
         // The first row is violated at stages 2 and 3, the second one at its only stage.
         let states = [9.0, 9.0, 1.5, 2.0, 1.0, 1.1].map(|speed| [0.0, speed, 0.0]);
-        assert!(are_violated(&problem, &states, 2));
-        assert!(!are_violated(&problem, &states, 3));
+        let mut rows = WorkingRows::new();
+        assert_eq!(rows.update(&problem, &states, 2), Update::TooMany);
+        rows.clear();
+        assert_eq!(rows.update(&problem, &states, 3), Update::Extended);
+        // The worst stage of each run, then neighbours.
+        let members = rows.members().iter().map(|member| (member.row, member.stage));
+        assert_eq!(members.collect::<Vec<_>>(), [(0, 3), (1, 5), (0, 2), (0, 4)]);
     }
 }

@@ -1,6 +1,6 @@
 //! Upper and lower bounds of all inputs.
 
-use super::pairs::{Lengths, Limits, Pairs, Prediction, Targets, place};
+use super::pairs::{Pairs, Prediction, Targets, place};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::lqr::BlockModel;
 use crate::riccati::working_set::Side;
@@ -88,19 +88,19 @@ impl InputBarrier {
 
     /// Applies the step's changes of a block's inputs.
     #[inline(always)]
-    pub(super) fn correct(&mut self, j: usize, du: Lanes, limits: &mut Limits) {
+    pub(super) fn correct(&mut self, j: usize, du: Lanes, limit: &mut Lanes) {
         let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else { return };
-        lower.correct(du * lower.per_slack, limits);
-        upper.correct(-(du * upper.per_slack), limits);
+        lower.correct(du * lower.per_slack, limit);
+        upper.correct(-(du * upper.per_slack), limit);
     }
 
     /// Advances a block by the step.
     #[inline(always)]
-    pub(super) fn advance(&mut self, j: usize, du: Lanes, lengths: Lengths) {
+    pub(super) fn advance(&mut self, j: usize, du: Lanes, length: f64) {
         let Some(block) = self.blocks[..self.count].get_mut(j) else { return };
-        block.lower.advance(lengths);
-        block.upper.advance(lengths);
-        block.u = block.u + Lanes::all(lengths.primal) * du;
+        block.lower.advance(length);
+        block.upper.advance(length);
+        block.u = block.u + Lanes::all(length) * du;
     }
 
     /// Returns the bounds that the inputs of a block approach.

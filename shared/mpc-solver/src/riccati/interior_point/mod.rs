@@ -18,22 +18,15 @@
 //! An iteration factors once and solves twice for the change of the trajectory. A difference of two
 //! trajectories would lose the digits that the stiff models of active limits need.
 //!
-//! # Step lengths
+//! # Step length
 //!
-//! Primal variables (inputs, states, slacks, `σ`, `p`) and dual ones (multipliers, `ν`, `y`) each
-//! take their longest step. Mostly only one of the two is limited, and a common length costs 4 to 7
-//! % more iterations.
+//! Primal variables (inputs, states, slacks, `σ`, `p`) and dual ones (multipliers, `ν`, `y`) take one length. Lengths of
+//! their own would save 5 % of the iterations. But the light's `w/p² = α + β` is not linear, and different lengths for
+//! `p` and `α` can cycle.
 //!
 //! No residual is carried from iteration to iteration: all are computed at the present iterate, that of `ν` included.
-//! Dynamics, slacks and the terminal equality are linear in the primal variables. So a primal length `a` scales their
-//! residuals by `1 − a`. A dual length `b` scales the stationarity residual by `1 − b`. It adds `a − b` times the
-//! change of the cost's gradient. This addition vanishes near the solution, where both lengths become 1.
-//! [`InteriorPoint::remaining_residual`] is therefore a guide for the next phase, not a proof.
-//!
-//! The light's `w/p² = α + β` is not linear. Steps with different lengths for `p` and `α` can cycle. One length is
-//! full, the other short, and two tiny steps follow. After four iterations the mean product is the same (seed 23192 of
-//! the tests' random problems). So both lengths are made equal once the mean product has not fallen for
-//! [`step_length::MOST_STALLED`] iterations. The linear residuals must be nearly zero by then.
+//! A length `a` scales the linear ones by `1 − a`. [`InteriorPoint::remaining_residual`] is a guide for the next phase,
+//! not a proof.
 //!
 //! # Sweeps
 //!
@@ -48,27 +41,24 @@
 //! iteration fails when its step cannot be represented, and then leaves the iterate unchanged.
 
 mod barriers;
+mod bound;
 mod input;
-mod light;
 mod model;
 mod pairs;
 mod path;
-mod row;
-mod step_length;
 
 use multiversion::multiversion;
 
 use super::lanes::{Lanes, WIDTH};
-use super::lqr::{CHAIN, Cost, CostToGo, GENERAL, LinearQuadratic, PLAIN, Shape, Sweep};
+use super::lqr::{CHAIN, Cost, CostToGo, GENERAL, LinearQuadratic, Shape, Sweep};
 use super::working_set::WorkingSet;
 use crate::kkt::Multipliers;
 use crate::problem::{Problem, Terminal, quadratic};
 use barriers::Barriers;
+use bound::StartPairs;
 use model::Models;
-use pairs::{Lengths, Limits, Prediction, Targets, place};
+use pairs::{Prediction, Targets, length, place};
 use path::{PathBlock, block, block_mut, path, state};
-pub(super) use step_length::Step;
-use step_length::{Stall, fraction_of_longest};
 
 /// Smallest initial slack of rows and light \[m or m/s\].
 const START_SLACK: f64 = 3.0;
@@ -83,9 +73,28 @@ const LEAST_CENTRING: f64 = 1e-6;
 
 /// Cap on the second-order correction, in multiples of the mean product ([`pairs`]).
 const MOST_NEGLECTED: f64 = 30.0;
-/// Fraction of the linear residuals below which the mean product should fall; above it may have to
-/// rise.
-const NEARLY_FEASIBLE: f64 = 1e-3;
+/// Fraction of the longest step that is left out while the products are large. A predictor that cannot move leaves out
+/// the further fraction. The limiting pair then stays farther from zero and limits the next step less.
+const MARGIN: f64 = 0.01;
+const SHORT_MARGIN: f64 = 0.1;
+
+/// Result of an iteration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    /// Mean product of the pairs before the step.
+    pub(super) mu: f64,
+    /// Lengths of the predictor, and of the step taken.
+    predictor: f64,
+    pub(super) length: f64,
+}
+
+impl Step {
+    /// Returns whether both steps were nearly full, so that they show which inequalities are
+    /// active.
+    pub(super) fn is_fast(&self) -> bool {
+        self.predictor > 0.8 && self.length > 0.9
+    }
+}
 
 /// Iterate and work memory.
 #[derive(Clone, Debug)]
@@ -95,9 +104,8 @@ pub(super) struct InteriorPoint {
     /// `y`.
     terminal: [f64; 3],
     /// Remaining fraction of the first iterate's linear residuals: the product of `1 − length` over
-    /// the steps' shorter lengths.
+    /// the steps.
     residual: f64,
-    stall: Stall,
     cost: Cost,
     /// Inputs of the barriers, and the states that follow from them.
     iterate: Vec<PathBlock>,
@@ -115,7 +123,6 @@ impl InteriorPoint {
             sweep: Sweep::new(max_horizon),
             terminal: [0.0; 3],
             residual: 1.0,
-            stall: Stall::default(),
             cost: Cost::new(max_horizon),
             iterate: path(max_horizon),
             predictor: path(max_horizon),
@@ -139,7 +146,8 @@ impl InteriorPoint {
         let (least, most) = START_PRODUCTS;
         // This order turns NaN into `most`.
         let mu = distance * distance * (START_PRODUCT * 0.5 * cost).min(most).max(least);
-        self.barriers.start(problem, inputs, states, distance * START_SLACK, mu);
+        let pairs = StartPairs { slack: distance * START_SLACK, mu };
+        self.barriers.start(problem, inputs, states, pairs);
         self.cost.start(problem);
         // Clear leftovers of an earlier problem beyond the horizon.
         for path in [&mut self.iterate, &mut self.predictor, &mut self.step] {
@@ -156,14 +164,11 @@ impl InteriorPoint {
         self.iterate[n / WIDTH].set_state(n % WIDTH, &x);
         self.terminal = [0.0; 3];
         self.residual = 1.0;
-        self.stall = Stall::default();
     }
 
     /// Performs one iteration; `None` if the step cannot be computed, with the iterate unchanged.
     pub(super) fn iterate(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Option<Step> {
         match (lq.shape, problem.terminal) {
-            (PLAIN, Terminal::Cost) => iterate::<false, PLAIN>(self, problem, lq),
-            (PLAIN, Terminal::Equality(_)) => iterate::<true, PLAIN>(self, problem, lq),
             (CHAIN, Terminal::Cost) => iterate::<false, CHAIN>(self, problem, lq),
             (CHAIN, Terminal::Equality(_)) => iterate::<true, CHAIN>(self, problem, lq),
             (_, Terminal::Cost) => iterate::<false, GENERAL>(self, problem, lq),
@@ -183,12 +188,10 @@ impl InteriorPoint {
 
         // Predictor: towards products of zero.
         let (y, prediction) = self.predict::<TERMINAL, SHAPE>(problem, lq, &cost_to_go);
-        let Lengths { primal, dual } = prediction.limits.lengths(1.0);
-        let predictor = (primal * dual).sqrt();
-        let moved = prediction.moved.sum() / gap;
+        let predictor = length(prediction.limit, 1.0);
         let neglected = prediction.neglected.sum() / gap;
         // Remaining fraction of the sum of the products, see [`pairs`].
-        let left = ((1.0 - dual) + (primal - dual) * moved - primal * dual * neglected).max(0.0);
+        let left = ((1.0 - predictor) - predictor * predictor * neglected).max(0.0);
 
         // Corrector: towards products of τ. A short predictor step shows little of the products at full length. The
         // root of its length, used here in place of the length, saves some 3 %
@@ -198,19 +201,15 @@ impl InteriorPoint {
             trust: predictor.sqrt(),
             most: MOST_NEGLECTED * mu,
         };
-        let (dy, limits) = self.correct::<TERMINAL, SHAPE>(problem, lq, &cost_to_go, targets);
+        let (dy, limit) = self.correct::<TERMINAL, SHAPE>(problem, lq, &cost_to_go, targets);
 
         // Step.
-        let mut lengths = limits.lengths(fraction_of_longest(mu, predictor));
-        if self.residual < NEARLY_FEASIBLE && self.stall.has_lasted(mu) {
-            lengths = lengths.common();
-        }
-        let length = lengths.primal.min(lengths.dual);
+        let length = length(limit, fraction_of_longest(mu, predictor));
         let end = state(&self.step, problem.horizon);
         if !(length > 0.0 && (mu + end[0] + end[1] + end[2]).is_finite()) {
             return None;
         }
-        self.advance(problem, lengths, std::array::from_fn(|i| y[i] + dy[i]));
+        self.advance(problem, length, std::array::from_fn(|i| y[i] + dy[i]));
         Some(Step { mu, predictor, length })
     }
 
@@ -262,7 +261,7 @@ impl InteriorPoint {
     }
 
     /// Adds the effect of the corrector's slopes to the predictor, by the recursion of the vectors
-    /// alone. Returns the change of `y` and the limits of the step.
+    /// alone. Returns the change of `y` and the limit of the step.
     #[inline(always)]
     fn correct<const TERMINAL: bool, const SHAPE: Shape>(
         &mut self,
@@ -270,7 +269,7 @@ impl InteriorPoint {
         lq: &LinearQuadratic,
         cost_to_go: &CostToGo,
         targets: Targets,
-    ) -> ([f64; 3], Limits) {
+    ) -> ([f64; 3], Lanes) {
         let n = problem.horizon;
         let barriers = &mut self.barriers;
         let mut v = [0.0; 3];
@@ -306,7 +305,7 @@ impl InteriorPoint {
             Terminal::Equality(_) => cost_to_go.factors().solve(&t),
         };
         let path = &mut self.step[..=n / WIDTH];
-        let mut limits = Limits::default();
+        let mut limit = Lanes::default();
         let mut x = [0.0; 3];
         for j in 0..=n / WIDTH {
             let gains = block(&self.sweep.gains, WIDTH * j);
@@ -324,32 +323,32 @@ impl InteriorPoint {
             }
             if j > 0 {
                 path[j - 1].add(&self.predictor[j - 1]);
-                barriers.correct(j - 1, &path[j - 1], &mut limits);
+                barriers.correct(j - 1, &path[j - 1], &mut limit);
             }
         }
         let last = &mut path[n / WIDTH];
         last.set_state(n % WIDTH, &x);
         last.add(&self.predictor[n / WIDTH]);
-        barriers.correct(n / WIDTH, last, &mut limits);
-        (y, limits)
+        barriers.correct(n / WIDTH, last, &mut limit);
+        (y, limit)
     }
 
     /// Advances the iterate by the step.
     #[inline(always)]
-    fn advance(&mut self, problem: &Problem, lengths: Lengths, y: [f64; 3]) {
-        let primal = Lanes::all(lengths.primal);
+    fn advance(&mut self, problem: &Problem, length: f64, y: [f64; 3]) {
+        let part = Lanes::all(length);
         let blocks = self.iterate.iter_mut().zip(&self.step[..=problem.horizon / WIDTH]);
         for (j, (block, change)) in blocks.enumerate() {
-            self.barriers.advance(j, change.u, lengths);
-            block.u = block.u + primal * change.u;
+            self.barriers.advance(j, change.u, length);
+            block.u = block.u + part * change.u;
             for i in 0..3 {
-                block.x[i] = block.x[i] + primal * change.x[i];
+                block.x[i] = block.x[i] + part * change.x[i];
             }
         }
         for (old, new) in self.terminal.iter_mut().zip(y) {
-            *old += lengths.dual * (new - *old);
+            *old += length * (new - *old);
         }
-        self.residual *= 1.0 - lengths.primal.min(lengths.dual);
+        self.residual *= 1.0 - length;
     }
 
     /// Writes the guess of the active set that the last step suggests.
@@ -376,6 +375,13 @@ impl InteriorPoint {
     }
 }
 
+/// Returns the fraction of the longest possible step that is taken.
+fn fraction_of_longest(mu: f64, predictor: f64) -> f64 {
+    let short = 1.0 - predictor;
+    let margin = MARGIN + SHORT_MARGIN * (short * short);
+    (1.0 - mu.min(margin)).max(0.5 + 0.5 * predictor).min(0.9995)
+}
+
 /// An iteration, compiled for wide registers too: what it calls is inlined.
 #[multiversion(targets("x86_64+avx2"))]
 fn iterate<const TERMINAL: bool, const SHAPE: Shape>(
@@ -384,4 +390,17 @@ fn iterate<const TERMINAL: bool, const SHAPE: Shape>(
     lq: &LinearQuadratic,
 ) -> Option<Step> {
     point.iterate_with::<TERMINAL, SHAPE>(problem, lq)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_is_left_out_of_a_step_where_the_predictor_is_short() {
+        assert_eq!(fraction_of_longest(1e3, 1.0), 0.9995);
+        assert_eq!(fraction_of_longest(1e3, 0.9), 1.0 - (MARGIN + SHORT_MARGIN * 0.1_f64.powi(2)));
+        assert_eq!(fraction_of_longest(1e3, 0.0), 1.0 - MARGIN - SHORT_MARGIN);
+        assert_eq!(fraction_of_longest(1e-3, 0.0), 0.999);
+    }
 }

@@ -2,11 +2,11 @@
 //!
 //! A step towards the product `t` satisfies `λ s⁺ + s λ⁺ = s λ + t`. With `r = (s⁺ − s)/s` the
 //! relative change of the multiplier is `t/(sλ) − 1 − r`. The predictor aims at `t = 0`, so `r`
-//! alone describes a pair. A primal length `a` is possible while `−a r ≤ 1`, a dual length `b`
-//! while `b(1 + r) ≤ 1`. The remaining product is
+//! alone describes a pair. A length `a` is possible while `−a r ≤ 1` and `a(1 + r) ≤ 1`. The
+//! remaining product is
 //!
 //! ```text
-//! sλ(1 + a r)(1 − b − b r) = (1 − b) sλ + (a − b) sλ r − a b n,     n = sλ r(1 + r)
+//! sλ(1 + a r)(1 − a − a r) = (1 − a) sλ − a² n,     n = sλ r(1 + r)
 //! ```
 //!
 //! `n` is the second-order term that the predictor neglects, and it gives the corrector's target `t = τ + n`. It
@@ -50,45 +50,19 @@ pub(super) struct Targets {
     pub(super) most: f64,
 }
 
-/// Lengths of a step: primal for trajectory and slacks, dual for multipliers.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Lengths {
-    pub(super) primal: f64,
-    pub(super) dual: f64,
-}
-
-impl Lengths {
-    /// Returns the shorter length for both.
-    pub(super) fn common(self) -> Self {
-        let length = self.primal.min(self.dual);
-        Self { primal: length, dual: length }
-    }
-}
-
-/// Reciprocals of the longest possible steps, lane by lane.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Limits {
-    pub(super) primal: Lanes,
-    pub(super) dual: Lanes,
-}
-
-impl Limits {
-    /// Returns `fraction` of the longest possible steps, at most full ones.
-    #[inline(always)]
-    pub(super) fn lengths(&self, fraction: f64) -> Lengths {
-        let length = |limit: Lanes| (fraction / limit.largest().max(f64::MIN_POSITIVE)).min(1.0);
-        Lengths { primal: length(self.primal), dual: length(self.dual) }
-    }
-}
-
 /// Effect of a predictor step on the pairs, lane by lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Prediction {
-    pub(super) limits: Limits,
-    /// Sum of `sλ r`.
-    pub(super) moved: Lanes,
+    /// Reciprocal of the longest possible step.
+    pub(super) limit: Lanes,
     /// Sum of `n`.
     pub(super) neglected: Lanes,
+}
+
+/// Returns `fraction` of the longest possible step, at most a full one; `limit` is its reciprocal, lane by lane.
+#[inline(always)]
+pub(super) fn length(limit: Lanes, fraction: f64) -> f64 {
+    (fraction / limit.largest().max(f64::MIN_POSITIVE)).min(1.0)
 }
 
 impl Pairs {
@@ -115,12 +89,9 @@ impl Pairs {
     /// Records the predictor's `r`.
     #[inline(always)]
     pub(super) fn predict(&mut self, relative: Lanes, prediction: &mut Prediction) {
-        let Limits { primal, dual } = &mut prediction.limits;
-        *primal = (-relative).greater(*primal);
-        *dual = (ONE + relative).greater(*dual);
-        let moved = (self.slack * self.multiplier) * relative;
-        prediction.moved = prediction.moved + moved;
-        self.target = moved * (ONE + relative);
+        let grown = ONE + relative;
+        prediction.limit = (-relative).greater(grown.greater(prediction.limit));
+        self.target = (self.slack * self.multiplier) * relative * grown;
         prediction.neglected = prediction.neglected + self.target;
     }
 
@@ -134,10 +105,9 @@ impl Pairs {
 
     /// Records the step's `r`.
     #[inline(always)]
-    pub(super) fn correct(&mut self, relative: Lanes, limits: &mut Limits) {
+    pub(super) fn correct(&mut self, relative: Lanes, limit: &mut Lanes) {
         self.relative = relative;
-        limits.primal = (-relative).greater(limits.primal);
-        limits.dual = (-self.change()).greater(limits.dual);
+        *limit = (-relative).greater((-self.change()).greater(*limit));
     }
 
     /// Returns the relative change of the multiplier.
@@ -156,12 +126,11 @@ impl Pairs {
 
     /// Advances the pairs by the step.
     #[inline(always)]
-    pub(super) fn advance(&mut self, lengths: Lengths) {
-        let (primal, dual) = (Lanes::all(lengths.primal), Lanes::all(lengths.dual));
-        let r = self.relative;
-        self.slack = self.slack + primal * (self.slack * r);
+    pub(super) fn advance(&mut self, length: f64) {
+        let (length, r) = (Lanes::all(length), self.relative);
+        self.slack = self.slack + length * (self.slack * r);
         let change = self.target * self.per_slack - self.multiplier * (ONE + r);
-        self.multiplier = self.multiplier + dual * change;
+        self.multiplier = self.multiplier + length * change;
     }
 }
 
@@ -200,17 +169,15 @@ mod tests {
     }
 
     #[test]
-    fn slack_and_multiplier_each_go_as_far_as_they_can() {
+    fn a_step_goes_as_far_as_slack_and_multiplier_both_can() {
         let mut pairs = Pairs::new(ONE, ONE);
         pairs.invert();
         // The slack reaches zero half of the way; the multiplier grows.
-        let mut limits = Limits::default();
-        pairs.correct(Lanes::all(-2.0), &mut limits);
-        let lengths = limits.lengths(0.5);
-        assert_eq!((lengths.primal, lengths.dual), (0.25, 1.0));
-        pairs.advance(lengths);
-        assert_eq!((pairs.slack.0[0], pairs.multiplier.0[0]), (0.5, 2.0));
-        let common = lengths.common();
-        assert_eq!((common.primal, common.dual), (0.25, 0.25));
+        let mut limit = Lanes::default();
+        pairs.correct(Lanes::all(-2.0), &mut limit);
+        let length = length(limit, 0.5);
+        assert_eq!(length, 0.25);
+        pairs.advance(length);
+        assert_eq!((pairs.slack.0[0], pairs.multiplier.0[0]), (0.5, 1.25));
     }
 }

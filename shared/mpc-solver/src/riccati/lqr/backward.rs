@@ -8,7 +8,7 @@
 use multiversion::multiversion;
 
 use super::cost::{BlockModel, Cost};
-use super::{CHAIN, CostToGo, GENERAL, LinearQuadratic, PLAIN, STRIDE, Shape, Sweep, resume};
+use super::{CHAIN, CostToGo, GENERAL, LinearQuadratic, STRIDE, Shape, Sweep, resume};
 use crate::problem::{Problem, Terminal};
 use crate::riccati::lanes::{Lanes, Row, WIDTH};
 use crate::riccati::matrix::product;
@@ -56,8 +56,6 @@ impl LinearQuadratic {
     ) -> CostToGo {
         let is_fixed = matches!(problem.terminal, Terminal::Equality(_));
         match (self.shape, is_fixed) {
-            (PLAIN, false) => backward::<PLAIN, f64, M>(self, problem, models, sweep, last),
-            (PLAIN, true) => backward::<PLAIN, Lanes, M>(self, problem, models, sweep, last),
             (CHAIN, false) => backward::<CHAIN, f64, M>(self, problem, models, sweep, last),
             (CHAIN, true) => backward::<CHAIN, Lanes, M>(self, problem, models, sweep, last),
             (_, false) => backward::<GENERAL, f64, M>(self, problem, models, sweep, last),
@@ -126,7 +124,8 @@ fn backward<const SHAPE: Shape, R: Row + Default, M: BlockModels>(
             let curvature =
                 if SHAPE >= CHAIN { last_squared * p[5] } else { lq.input_of::<SHAPE>(&pb) };
             let inverse = 1.0 / ((lq.r + model.curvature.0[lane]) + curvature);
-            let f = lq.crossed::<SHAPE>(lq.transposed::<SHAPE>(&pb));
+            let ahead = lq.transposed::<SHAPE>(&pb);
+            let f: [f64; 3] = std::array::from_fn(|i| ahead[i] + lq.s[i]);
             let apa = lq.congruence::<SHAPE>(&p);
             let next = |i: usize| model.hessian[i].0[lane] + apa[i];
             let mut gradient = model.gradient.map(|lanes| lanes.0[lane]);
@@ -171,8 +170,7 @@ fn backward<const SHAPE: Shape, R: Row + Default, M: BlockModels>(
             let feedforward = pull * R::splat(gain.inverse);
             gain.feedforward = feedforward.lanes().0;
             let (k0, k1) = if SHAPE != GENERAL { (l0, l1) } else { (a00 * l0, a11 * l1) };
-            let ahead = if SHAPE == PLAIN { a12 * l1 } else { a02 * l0 + a12 * l1 };
-            linear = [k0, a01 * l0 + k1, ahead + a22 * l2];
+            linear = [k0, a01 * l0 + k1, a02 * l0 + a12 * l1 + a22 * l2];
             for i in 0..3 {
                 if stage.held.is_none() {
                     linear[i] = linear[i] - R::splat(gain.feedback[i]) * pull;

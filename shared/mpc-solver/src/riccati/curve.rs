@@ -1,25 +1,37 @@
-//! Cost of the light as a curve, and its tangents.
+//! Costs of the light and of the rows as curves, and their tangents.
 //!
 //! `α ∈ −∂φ(D)` is a decreasing curve in the plane of the margin `D` and the multiplier `α`. It is flat at the penalty
 //! `λ` up to the knee `√(w/λ)` (soft lights only). The hyperbola `w/D²` follows up to `d_th`. There it is vertical, and
 //! flat at zero beyond.
 //!
+//! A row has the same curve without the hyperbola: `D = h − g'x` is its margin, and `d_th` and the knee are zero. Below
+//! zero its multiplier grows by `κ`.
+//!
 //! A Newton step replaces the curve by its tangent at one point. The end of the step on the tangent is projected back
 //! to the curve *by the coordinate that moves less*. That is `D` when the margin has grown, and `α` when it has shrunk.
 //! On the hyperbola, the first could leave the domain and the second cross zero. This choice avoids both, so no line
 //! search is needed. (Circuit simulators limit the steps of diodes in the same way.)
+//!
+//! A steep line replaces the vertical part, through the multiplier of the previous round. So the multiplier settles, and
+//! the limit is met exactly. A steeper line needs fewer rounds. But it turns the rounding of a row's margin, some 1e-14
+//! m, into an error of the multiplier. The optimality conditions require 1e-8 of the largest one. The slope of rows is
+//! therefore [`STIFFNESS`] times that multiplier.
 
-use super::lanes::{Lanes, WIDTH};
-use crate::problem::LightCost;
+use crate::problem::{LightCost, Softness};
 
 /// Cap on a first tangent's margin, as a fraction of the threshold, if the trajectory without the
 /// light comes nearer. On the paper's drives 0.4 takes the fewest rounds of 0.3 to 0.6; random
 /// problems show no difference.
 const FIRST_MARGIN: f64 = 0.4;
 
+/// Slope that replaces the vertical part of a row, in largest multipliers per unit of the limit.
+pub(super) const STIFFNESS: f64 = 3e4;
+/// Violation of a row without a force that counts as zero, relative to its limit or 1.
+const TOLERANCE: f64 = 1e-10;
+
 /// Constants of the curve.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LightCurve {
+pub(super) struct Curve {
     weight: f64,
     /// `1/w`.
     per_weight: f64,
@@ -30,8 +42,14 @@ pub(super) struct LightCurve {
     knee: f64,
     /// `α` at the upper end of the vertical part.
     top: f64,
+    /// `κ`, which a row alone has.
+    curvature: f64,
     /// Slope that replaces the vertical part.
     stiffness: f64,
+    /// Distance that counts as 1 beside the vertical part.
+    unit: f64,
+    /// Margin below the threshold that still counts as clear.
+    slack: f64,
 }
 
 /// Part of the curve, stored in a whole word. A tangent with one byte and seven unused ones is copied in pieces. Each
@@ -52,7 +70,7 @@ enum Region {
 
 /// A tangent `α = alpha − slope (D − margin)`.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LightTangent {
+pub(super) struct Tangent {
     region: Region,
     margin: f64,
     alpha: f64,
@@ -60,8 +78,8 @@ pub(super) struct LightTangent {
     pub(super) slope: f64,
 }
 
-impl LightCurve {
-    pub(super) fn new(light: &LightCost) -> Self {
+impl Curve {
+    pub(super) fn of_light(light: &LightCost) -> Self {
         let (w, d_th) = (light.weight, light.threshold);
         let (penalty, _) = light.softness.penalty();
         let top = (w / (d_th * d_th)).min(penalty);
@@ -73,13 +91,24 @@ impl LightCurve {
             penalty,
             knee: (w / penalty).sqrt().min(d_th),
             top,
+            curvature: 0.0,
             stiffness,
+            unit: d_th,
+            slack: 0.0,
         }
+    }
+
+    /// Returns the curve of a row; `limit` is that of one stage.
+    pub(super) fn of_row(softness: Softness, limit: f64, stiffness: f64) -> Self {
+        let (penalty, curvature) = softness.penalty();
+        let unit = limit.abs().max(1.0);
+        let slack = TOLERANCE * unit;
+        Self { penalty, curvature, top: penalty, stiffness, unit, slack, ..Self::default() }
     }
 
     /// Returns a first tangent. `margin` is the margin without the light, `best` the largest one on
     /// the horizon.
-    pub(super) fn start(&self, margin: f64, best: f64) -> LightTangent {
+    pub(super) fn start(&self, margin: f64, best: f64) -> Tangent {
         if margin >= self.threshold {
             return self.clear();
         }
@@ -88,14 +117,14 @@ impl LightCurve {
     }
 
     /// Returns the tangent beyond the threshold.
-    pub(super) fn clear(&self) -> LightTangent {
-        LightTangent { region: Region::Clear, margin: self.threshold, alpha: 0.0, slope: 0.0 }
+    pub(super) fn clear(&self) -> Tangent {
+        Tangent { region: Region::Clear, margin: self.threshold, alpha: 0.0, slope: 0.0 }
     }
 
     /// Returns the tangent at the threshold.
-    pub(super) fn edge(&self, alpha: f64) -> LightTangent {
+    pub(super) fn edge(&self, alpha: f64) -> Tangent {
         let slope = self.stiffness;
-        LightTangent {
+        Tangent {
             region: Region::Edge,
             margin: self.threshold,
             alpha: alpha.clamp(0.0, self.top),
@@ -104,46 +133,46 @@ impl LightCurve {
     }
 
     /// Returns the tangent below the knee.
-    pub(super) fn straight(&self) -> LightTangent {
-        LightTangent {
+    pub(super) fn straight(&self) -> Tangent {
+        Tangent {
             region: Region::Straight,
             margin: self.knee,
             alpha: self.penalty,
-            slope: 0.0,
+            slope: self.curvature,
         }
     }
 
     /// Returns the tangent at a margin on the hyperbola or below its knee.
     #[inline(always)]
-    pub(super) fn hyperbola_at(&self, margin: f64) -> LightTangent {
+    pub(super) fn hyperbola_at(&self, margin: f64) -> Tangent {
         if margin <= self.knee {
             return self.straight();
         }
         let per_margin = 1.0 / margin;
         let alpha = self.weight * (per_margin * per_margin);
         let slope = 2.0 * alpha * per_margin;
-        LightTangent { region: Region::Hyperbola, margin, alpha, slope }
+        Tangent { region: Region::Hyperbola, margin, alpha, slope }
     }
 
     #[inline(always)]
-    fn hyperbola_with(&self, alpha: f64) -> LightTangent {
+    fn hyperbola_with(&self, alpha: f64) -> Tangent {
         if alpha >= self.penalty {
             return self.straight();
         }
         let margin = (self.weight / alpha).sqrt();
         let slope = 2.0 * alpha * (margin * alpha) * self.per_weight;
-        LightTangent { region: Region::Hyperbola, margin, alpha, slope }
+        Tangent { region: Region::Hyperbola, margin, alpha, slope }
     }
 
     /// Projects the point of `tangent` at `margin` back to the curve. Returns the new tangent, the multiplier of the
     /// point, and its relative distance from the curve. The distance is 1 or more when the point changes to another
     /// part.
     #[inline(always)]
-    pub(super) fn project(&self, tangent: &LightTangent, margin: f64) -> (LightTangent, f64, f64) {
+    pub(super) fn project(&self, tangent: &Tangent, margin: f64) -> (Tangent, f64, f64) {
         let alpha = tangent.alpha - tangent.slope * (margin - tangent.margin);
         let d_th = self.threshold;
         let next = match tangent.region {
-            Region::Clear if margin >= d_th => *tangent,
+            Region::Clear if margin >= d_th - self.slack => *tangent,
             Region::Clear => self.edge(0.0),
             Region::Straight if margin <= self.knee => *tangent,
             Region::Straight if margin < d_th => self.hyperbola_at(margin),
@@ -162,56 +191,22 @@ impl LightCurve {
             let per_alpha = next.margin * next.margin * self.per_weight;
             (next.alpha - alpha).abs().max(next.slope * (margin - next.margin).abs()) * per_alpha
         } else if next.region == Region::Edge {
-            (margin - d_th).abs() / d_th
+            (margin - d_th).abs() / self.unit
         } else {
             0.0
         };
         (next, alpha, distance)
     }
-
-    /// Performs [`Self::project`] for neighbours that all stay on the hyperbola, with the same
-    /// operations; `None` for others.
-    #[inline(always)]
-    pub(super) fn project_on_hyperbola(
-        &self,
-        tangents: &mut [LightTangent; WIDTH],
-        margins: Lanes,
-    ) -> Option<(Lanes, Lanes)> {
-        let of = |number: fn(&LightTangent) -> f64| Lanes(tangents.each_ref().map(number));
-        let (margin, slope) = (of(|tangent| tangent.margin), of(|tangent| tangent.slope));
-        let reached = of(|tangent| tangent.alpha) - slope * (margins - margin);
-        let grows: [bool; WIDTH] = std::array::from_fn(|i| margins.0[i] >= margin.0[i]);
-        let stays = |i: usize| {
-            let is_above_knee =
-                if grows[i] { margins.0[i] > self.knee } else { reached.0[i] < self.penalty };
-            let is_on_it = tangents[i].region as u64 == Region::Hyperbola as u64;
-            is_on_it & (margins.0[i] < self.threshold) & is_above_knee
-        };
-        if !(stays(0) & stays(1) & stays(2) & stays(3)) {
-            return None;
-        }
-        let weight = Lanes::all(self.weight);
-        let divided = Lanes::all(1.0).where_or(grows, weight) / margins.where_or(grows, reached);
-        let next_margin = margins.where_or(grows, divided.sqrt());
-        let next_alpha = (weight * (divided * divided)).where_or(grows, reached);
-        let twice = Lanes::all(2.0) * next_alpha;
-        let per_weight = Lanes::all(self.per_weight);
-        let next_slope =
-            (twice * divided).where_or(grows, twice * (next_margin * reached) * per_weight);
-        let per_alpha = next_margin * next_margin * per_weight;
-        let off = (next_alpha - reached).abs();
-        let distance = off.greater(next_slope * (margins - next_margin).abs()) * per_alpha;
-        for (i, tangent) in tangents.iter_mut().enumerate() {
-            tangent.margin = next_margin.0[i];
-            tangent.alpha = next_alpha.0[i];
-            tangent.slope = next_slope.0[i];
-        }
-        Some((reached, distance))
-    }
 }
 
-impl LightTangent {
-    /// Returns `α` at the zero state: the tangent as `α = at_origin − slope c'x`.
+impl Tangent {
+    /// Returns whether the tangent adds anything to the problem.
+    #[inline(always)]
+    pub(super) fn acts(&self) -> bool {
+        self.region != Region::Clear
+    }
+
+    /// Returns `α` at the zero state, whose margin is `offset`.
     #[inline(always)]
     pub(super) fn at_origin(&self, offset: f64) -> f64 {
         self.alpha + self.slope * (self.margin - offset)
@@ -223,12 +218,12 @@ mod tests {
     use super::*;
     use crate::Softness;
 
-    fn curve(softness: Softness) -> LightCurve {
-        LightCurve::new(&LightCost { weight: 900.0, threshold: 30.0, softness })
+    fn curve(softness: Softness) -> Curve {
+        Curve::of_light(&LightCost { weight: 900.0, threshold: 30.0, softness })
     }
 
     /// Computes `min_D φ(D) + c D` one tangent at a time.
-    fn minimise(curve: &LightCurve, c: f64, start: f64) -> (f64, usize) {
+    fn minimise(curve: &Curve, c: f64, start: f64) -> (f64, usize) {
         let mut tangent = curve.hyperbola_at(start);
         for steps in 1..100 {
             // The tangent's α must equal c.
@@ -266,5 +261,32 @@ mod tests {
         let (next, alpha, _) = soft.project(&next, 30.0 - 2.0 / soft.stiffness);
         assert!((alpha - 2.0).abs() < 1e-9);
         assert_eq!(next.region, Region::Hyperbola);
+    }
+
+    /// Computes `min ½(z − a)² + ψ(z)` one tangent at a time: `z − a + μ = 0`.
+    fn minimise_with_row(softness: Softness, a: f64) -> (f64, f64) {
+        let curve = Curve::of_row(softness, 0.0, 1e8);
+        let mut tangent = Tangent::default();
+        for _ in 0..20 {
+            let z = (a - tangent.at_origin(0.0)) / (1.0 + tangent.slope);
+            let (next, mu, distance) = curve.project(&tangent, -z);
+            if distance < 1e-12 {
+                return (z, mu);
+            }
+            tangent = next;
+        }
+        panic!("not settled for {a}");
+    }
+
+    #[test]
+    fn every_part_of_a_row_is_found() {
+        let soft = Softness::Soft { linear: 2.0, quadratic: 3.0 };
+        assert_eq!(minimise_with_row(soft, -1.0), (-1.0, 0.0));
+        let (z, mu) = minimise_with_row(soft, 1.5);
+        assert!(z.abs() < 1e-12 && (mu - 1.5).abs() < 1e-6, "{z} {mu}");
+        let (z, mu) = minimise_with_row(soft, 10.0);
+        assert!((z - 2.0).abs() < 1e-12 && (mu - 8.0).abs() < 1e-12, "{z} {mu}");
+        let (z, mu) = minimise_with_row(Softness::Hard, 10.0);
+        assert!(z.abs() < 1e-12 && (mu - 10.0).abs() < 1e-6, "{z} {mu}");
     }
 }
