@@ -100,7 +100,7 @@ pub enum Terminal {
 /// assert_eq!(report.status, Status::Solved);
 /// assert_eq!(solver.inputs()[0], -4.9);
 ///
-/// // One cycle later: overwrite the state and start from the previous solution.
+/// // One cycle later: overwrite the state and solve again.
 /// problem.set_initial_state(solver.states()[1]);
 /// assert_eq!(solver.solve(&problem, Start::Shifted(1)).status, Status::Solved);
 /// # Ok::<(), mpc_solver::ProblemError>(())

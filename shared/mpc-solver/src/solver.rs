@@ -10,7 +10,8 @@ pub enum Start {
     #[default]
     Cold,
     /// The previous solution, moved forward by this number of steps (0: the same instant). A solver
-    /// without a previous solution for this horizon starts cold.
+    /// without a previous solution for this horizon starts cold, and so does [`crate::Riccati`] above
+    /// 40 steps, with the light, and with a fixed end.
     Shifted(usize),
 }
 

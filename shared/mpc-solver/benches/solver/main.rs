@@ -4,8 +4,8 @@
 //! conditions, by `mpc_solver::residuals`; 1e-8 counts as solved. Each instance is solved several times; its time is
 //! the median of these. So the percentiles over the instances show the solver's tail and not the machine's.
 //!
-//! * *Drives*: the instances of the paper's closed loops (`tests/data/cacc-instances.csv`), cold and warm, and by what is
-//!   active at the solution.
+//! * *Drives*: the instances of the paper's closed loops (`tests/data/cacc-instances.csv`), and by what is active at the
+//!   solution.
 //! * *Random problems*, feasible by construction, in four classes: with or without a row that acts, with or without
 //!   the light. Their number is `TIMEGAP_BENCH_SEEDS` (of which about four in ten have 100 steps), 10,000 unless given.
 //! * *The field* ([`field`]): clarabel on all drives, OSQP on those without the light (with `--features osqp`).
@@ -57,11 +57,9 @@ fn select(table: &[Instance], is_lit: bool) -> Vec<&Instance> {
 
 fn drives(name: &str, set: &[&Instance], repeats: impl Fn(usize) -> usize) {
     header(&format!("{name}, drives"));
-    let cold = ours(set, repeats(REPEATS), Start::Cold);
-    let warm = ours(set, repeats(REPEATS), Start::Shifted(1));
-    Summary::of(&cold).print("riccati, cold");
-    Summary::of(&warm).print("riccati, warm");
-    let (cold_us, warm_us) = (Summary::of(&cold).median_us(), Summary::of(&warm).median_us());
+    let ours = ours(set, repeats(REPEATS));
+    Summary::of(&ours).print("riccati");
+    let our_us = Summary::of(&ours).median_us();
     let rivals: Vec<(&str, Summary)> = field::solve(set, repeats(FIELD_REPEATS))
         .into_iter()
         .map(|(name, samples)| (name, Summary::of(&samples)))
@@ -72,13 +70,11 @@ fn drives(name: &str, set: &[&Instance], repeats: impl Fn(usize) -> usize) {
     for (rival, summary) in &rivals {
         let (count, solved) = summary.counts();
         println!(
-            "{rival} / riccati, medians: cold {:.0}, warm {:.0}; solves {solved} of {count} to the tolerance",
-            summary.median_us() / cold_us,
-            summary.median_us() / warm_us,
+            "{rival} / riccati, medians: {:.0}; solves {solved} of {count} to the tolerance",
+            summary.median_us() / our_us,
         );
     }
-    by_pattern("by what is active, cold", &cold);
-    by_pattern("by what is active, warm", &warm);
+    by_pattern("by what is active", &ours);
     println!();
 }
 
@@ -94,24 +90,20 @@ fn by_pattern(title: &str, samples: &[Sample]) {
     }
 }
 
-/// Passes over the set, in its order: the warm start is the previous instance's solution.
-fn ours(set: &[&Instance], repeats: usize, start: Start) -> Vec<Sample> {
+/// Passes over the set, in its order.
+fn ours(set: &[&Instance], repeats: usize) -> Vec<Sample> {
     let mut problem = cacc(100);
     let mut solver = Riccati::new(100);
     let mut times = vec![Vec::with_capacity(repeats); set.len()];
     let mut samples = Vec::new();
     for _ in 0..repeats {
         samples.clear();
-        let mut last = None;
         for (instance, times) in set.iter().zip(&mut times) {
             instance.apply(&mut problem);
-            // Only the next instance of the same run continues the one before.
-            let follows = last == Some(instance.id.wrapping_sub(1)) && instance.step > 0;
             let begin = Instant::now();
-            let report = solver.solve(&problem, if follows { start } else { Start::Cold });
+            let report = solver.solve(&problem, Start::Cold);
             times.push(begin.elapsed().as_secs_f64() * 1e6);
             samples.push(Sample::new(&report, pattern(&problem, &solver)));
-            last = Some(instance.id);
         }
     }
     for (sample, times) in samples.iter_mut().zip(&mut times) {
