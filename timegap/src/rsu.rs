@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use supervise::{Error, ScenarioOptions, UsageError, open};
+use supervise::{Error, ScenarioOptions, UsageError, number_within, open};
 use v2x_sim::frames::{Frames, road_plane};
 
 /// Longest delay of an end by signal.
@@ -30,7 +30,7 @@ pub struct RsuArguments {
     #[arg(long, value_name = "ADDRESS")]
     pub radio: Option<String>,
     /// Duration, s [default: until Ctrl-C or SIGTERM]
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = number_within(0.001..=1e9, "a number of seconds"), allow_hyphen_values = true)]
     pub duration: Option<f64>,
     /// Change a key of the scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -101,13 +101,6 @@ pub fn run(arguments: &RsuArguments) -> Result<ExitCode, Error> {
 
 fn not_encoded(why: EncodeError) -> UsageError {
     UsageError::at("v2x.signals", why, "signals that the standards can express")
-}
-
-fn seconds(argument: &str) -> Result<f64, &'static str> {
-    match argument.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(seconds),
-        _ => Err("expected a number of seconds above 0"),
-    }
 }
 
 struct RoadsideUnit {
@@ -235,7 +228,6 @@ fn document(summary: &RsuSummary) -> Document {
     if summary.vehicles.is_empty() {
         facts.push(("vehicles", "none heard".to_owned()));
     }
-    let facts = facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     let columns: [Column<Vehicle>; 4] = [
         count("station_id", "station", "Station id of the vehicle"),
         count("cams", "CAMs", "Messages that were received"),

@@ -8,7 +8,7 @@ use crate::trail::{Layout, PARTS};
 use bench::peer::Outcome;
 use report::chart::{Stroke, Tone};
 use report::gate::{Against, Baseline, Sample};
-use report::html::figure;
+use report::html::{figure, grid};
 use report::output::{HISTOGRAMS, histogram_log};
 use report::print::duration;
 use report::results::{Broken, Column, Document, Object, Table, count, micros, number, word};
@@ -245,13 +245,13 @@ pub fn document(
     }
     let Host { cpus, kernel, realtime_kernel } = &report.host;
     let kind = if *realtime_kernel { ", real-time kernel" } else { "" };
-    let facts = report.refused.iter().map(|why| ("not granted".to_owned(), why.clone()));
+    let facts = report.refused.iter().map(|why| ("not granted", why.clone()));
     let table = |heading, columns: &[Column<_>], rows| Table::new(heading, columns, rows);
     let document = Document::new("graph", &format!("Graph {}", report.graph), &report)
         .about(format!("{cpus} processors, Linux {kernel}{kind}, {} s", report.seconds))
-        .facts("Not granted", facts.collect())
+        .facts("Not granted", facts)
         .table(table("Chains", &chain_columns(), &report.chains))
-        .figures("Chains", format!("<div class=\"grid\">\n{pictures}</div>\n"))
+        .figures("Chains", grid(&pictures))
         .table(Table::new("Hops", &hop_columns(), &report.hops).blocks("chain").without_cases())
         .table(Table::new("Nodes", &node_columns(), &report.nodes).without_cases())
         .table(Table::new("Topics", &topic_columns(), &report.topics).without_cases())

@@ -6,7 +6,7 @@ use super::measured::LEFT_OUT;
 use super::sums::{Sum, Tally};
 use super::verdict::Verdict;
 use report::chart::{Stroke, Tone, number};
-use report::html::{Tile, figure};
+use report::html::{Tile, figure, grid};
 use report::results::{Broken, Column, Document, Table, at, word};
 use report::{Distribution, distributions};
 use runtime::statistics::Latencies;
@@ -171,7 +171,7 @@ fn pictures(runs: &Sum) -> String {
         })
         .collect();
     let plot = distributions("Time after a process fault", &drawn);
-    plot.map_or_else(String::new, |plot| format!("<div class=\"grid\">\n{}</div>\n", figure(&plot)))
+    plot.map_or_else(String::new, |plot| grid(&figure(&plot)))
 }
 
 fn sentence(verdict: &Verdict) -> String {

@@ -55,7 +55,7 @@ pub fn fault_free(campaign: &Campaign, plan: &Plan) -> Result<Vec<(String, Scena
         scenario.faults.clear();
         // In simulated time no process ends, and a standby is refused.
         scenario.supervision.standby = Standbys::default();
-        supervise::check_in_process(&scenario)?;
+        supervise::check_simulated(&scenario)?;
         Ok((planned.scenario, scenario))
     };
     planned.into_iter().map(drive).collect()

@@ -34,7 +34,7 @@ use runner::{Pictures, Piece};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use study::Papers;
-use supervise::Error;
+use supervise::{Error, number_within};
 use tally::Tally;
 
 /// The papers, in the order of their results.
@@ -72,7 +72,7 @@ pub struct ReproduceArguments {
     #[arg(value_enum)]
     pub paper: Option<PaperName>,
     /// Standard deviation of the skilled driver's aimed speed, km/h
-    #[arg(long, value_name = "KMH", default_value_t = 2.5, value_parser = spread)]
+    #[arg(long, value_name = "KMH", default_value_t = 2.5, value_parser = number_within(0.0..=15.0, "a speed in km/h"))]
     pub driver_spread: f64,
     /// Judge the rows by an earlier result, its reproduce.json: one that got worse is status 1
     #[arg(long, value_name = "FILE")]
@@ -80,12 +80,6 @@ pub struct ReproduceArguments {
     /// Seeded variants of each scene in which the default law drives, at most 250
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=250))]
     pub variants: u32,
-}
-
-/// A spread of a driver's speed, km/h.
-fn spread(text: &str) -> Result<f64, &'static str> {
-    let number = text.parse().ok().filter(|value| (0.0..=15.0).contains(value));
-    number.ok_or("expected a number from 0 to 15, in km/h")
 }
 
 /// A paper by the name of its controller.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use report::html::{Tile, figure};
+use report::html::{Tile, figure, grid};
 use report::results::{Broken, Column, Document, Object, Schema, Table, number, word};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -226,14 +226,12 @@ impl Search {
             pictures.extend(pictures::of_drives(&row.file, &row.judged.requirement, drives));
         }
         let pictures: String = pictures.into_iter().map(figure).collect();
-        let grid = |pictures| format!("<div class=\"grid\">\n{pictures}</div>\n");
-        let pictures = Some(pictures).filter(|drawn| !drawn.is_empty()).map(grid);
         let mut document = Document::new("search", &format!("Search in {place}"), self)
             .about(about)
             .tiles(self.tiles())
             .table(Table::new("Minimal cases", FAILURES, &self.failures))
             .table(Table::new("Variables", VARIABLES, &self.variables).without_cases())
-            .figures("Runs", pictures.unwrap_or_default())
+            .figures("Runs", grid(&pictures))
             .verdict(self.ok, self.sentence())
             .broken(self.failures.iter().map(|row| {
                 Broken::new(format!("{} breaks {}", row.file, row.judged.requirement), &row.repeat)

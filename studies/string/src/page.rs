@@ -1,7 +1,7 @@
 //! The result of a string with its pictures: positions and speeds of the cars, their gains, the limits.
 
 use report::chart::{Axis, Chart, Curve, Plot, Stroke, Tone};
-use report::html::{Tile, figure};
+use report::html::{Tile, figure, grid};
 use report::results::Document;
 use report::table::NONE;
 
@@ -45,10 +45,6 @@ pub fn document(results: &Results, driven: &[Driven]) -> Document {
         document = document.text(limits.sentence() + ".").table(results::limit(limits));
     }
     document
-}
-
-fn grid(figures: &str) -> String {
-    format!("<div class=\"grid\">\n{figures}</div>\n")
 }
 
 fn figures_of(results: &Results) -> Vec<Tile> {

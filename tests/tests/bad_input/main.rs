@@ -219,7 +219,7 @@ fn radios() {
     rsu("pcap:drive.pcap", &["a capture cannot be sent to"]);
     rsu("udp://239.255.3.1:0", &["port 0"]);
     refused(&["rsu", "following", "--radio", "udp://239.255.3.1:5520"], 2, &["no signals"]);
-    refused(&["rsu", "--duration", "-1", "--radio", "zenoh"], 2, &["seconds above 0"]);
+    refused(&["rsu", "--duration", "-1", "--radio", "zenoh"], 2, &["seconds from 0.001"]);
     another_link_type();
     zenoh();
 }

@@ -107,7 +107,7 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
         (captured.iter())
             .map(|(path, frames)| format!("{} in {}", count(*frames, "frame"), path.display())),
     );
-    let facts = written.into_iter().map(|line| ("written".to_owned(), line)).collect();
+    let facts = written.into_iter().map(|line| ("written", line));
     print::show(arguments.json, &Document::new("export", "Export", &whole).facts("Export", facts))?;
     print_damage(&recording, &damage);
     Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })

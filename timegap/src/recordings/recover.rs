@@ -64,8 +64,8 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
         }
     };
     let broken = super::lines(&survey.damage, ToString::to_string);
-    let mut facts: Vec<_> = broken.map(|line| ("broken".to_owned(), line)).collect();
-    facts.push(("results".to_owned(), path.display().to_string()));
+    let mut facts: Vec<_> = broken.map(|line| ("broken", line)).collect();
+    facts.push(("results", path.display().to_string()));
     let document = Document::new("recover", "Recovery", &whole_result);
     print::show(arguments.json, &document.facts("Recovery", facts).verdict(true, verdict))?;
     Ok(ExitCode::SUCCESS)

@@ -71,7 +71,6 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
     );
     let verdict = "open it at https://ui.perfetto.dev (it stays on this machine)";
     let facts = [("results", written.file.clone()), ("events", events)];
-    let facts = facts.map(|(name, value)| (name.to_owned(), value)).into();
     let document = Document::new("trace", "Trace", &written).facts("Trace", facts);
     print::show(arguments.json, &document.verdict(true, verdict))?;
     Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })

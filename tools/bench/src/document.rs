@@ -5,7 +5,7 @@ use super::results::{DeadlineRow, FloorRow, PairedRow, Report, TransportRow};
 use super::setup::Conditions;
 use super::{WAKE_UPS, results::ChainRow};
 use report::chart::{Stroke, Tone};
-use report::html::figure;
+use report::html::{figure, grid};
 use report::output::{HISTOGRAMS, histogram_log};
 use report::print::{carries, p99};
 use report::results::{Broken, Column, Document, Format, Table, column, count, number, word};
@@ -44,7 +44,7 @@ pub fn of(report: &Report, histograms: &[(String, Latencies)]) -> Document {
     let fastest = drawn(histograms, "Lateness of wake-ups", &fastest);
     let host = &report.host;
     let kind = if host.realtime_kernel { ", real-time kernel" } else { "" };
-    let refused = report.refused.iter().map(|why| ("not granted".to_owned(), why.clone()));
+    let refused = report.refused.iter().map(|why| ("not granted", why.clone()));
     let missed_goals = report.goals.iter().filter(|goal| goal.verdict == Verdict::Missed);
     let broken = missed_goals
         .map(|goal| format!("{}: {}, limit {:.2}", named(goal), interval(goal.ci95), goal.limit))
@@ -55,8 +55,8 @@ pub fn of(report: &Report, histograms: &[(String, Latencies)]) -> Document {
             host.cpus, host.kernel, report.seconds
         ))
         .text(report.wake_ups.as_ref().map(|all| all.answer()).unwrap_or_default())
-        .figures("Loops on this machine", grid(fastest.unwrap_or_default()))
-        .facts("Not granted", refused.collect())
+        .figures("Loops on this machine", grid(&fastest.unwrap_or_default()))
+        .facts("Not granted", refused)
         .table(goals(&report.goals))
         .table(comparisons(&report.paired))
         .figures("Comparisons in alternating blocks", blocks(&report.paired, histograms))
@@ -244,10 +244,6 @@ fn interval([low, high]: [Option<f64>; 2]) -> String {
     format!("{} to {}", end(low), end(high))
 }
 
-fn grid(drawn: String) -> String {
-    if drawn.is_empty() { drawn } else { format!("<div class=\"grid\">\n{drawn}</div>\n") }
-}
-
 /// Distributions of every comparison: ours and its floor.
 fn blocks(rows: &[PairedRow], histograms: &[(String, Latencies)]) -> String {
     let picture = |row: &PairedRow| {
@@ -258,7 +254,7 @@ fn blocks(rows: &[PairedRow], histograms: &[(String, Latencies)]) -> String {
         let title = format!("{name}: {}", row.conditions.in_words().replace('_', " "));
         drawn(histograms, &title, &[(arm("ours"), ours), (arm("floor"), floor)])
     };
-    grid(rows.iter().filter_map(picture).collect())
+    grid(&rows.iter().filter_map(picture).collect::<String>())
 }
 
 /// One picture for each set of conditions with a measured figure of `names`.
@@ -277,7 +273,7 @@ fn pictures(histograms: &[(String, Latencies)], title: &str, names: &[(&str, &st
         let title = format!("{title}: {}", rest.replace(':', ", ").replace('_', " "));
         drawn(histograms, &title, &tagged.collect::<Vec<_>>())
     };
-    grid(conditions.iter().filter_map(picture).collect())
+    grid(&conditions.iter().filter_map(picture).collect::<String>())
 }
 
 /// The histograms of these tags in one picture, the floor last.

@@ -60,7 +60,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use supervise::Error;
+use supervise::{Error, number_within};
 
 /// Length of each measurement, s.
 const FULL_S: f64 = 2.0;
@@ -77,7 +77,7 @@ pub struct BenchArguments {
     #[arg(long)]
     pub quick: bool,
     /// Length of each measurement, s [default: 2, quick: 0.4]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = number_within(0.05..=3600.0, "a number of seconds"))]
     pub seconds: Option<f64>,
     /// Write the result to FILE for later comparisons
     #[arg(long, value_name = "FILE")]
@@ -86,23 +86,13 @@ pub struct BenchArguments {
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
     /// Least growth that counts as worse, of a ratio to the floor or of a graph's reaction time
-    #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
+    #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = number_within(1.0..=100.0, "a number"))]
     pub factor: f64,
     /// Run a graph of nodes of your own in place of the benchmark, and measure its chains (docs/graph.md)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "save"])]
     pub graph: Option<PathBuf>,
     #[command(flatten)]
     pub results: ResultOptions,
-}
-
-fn seconds(argument: &str) -> Result<f64, &'static str> {
-    let seconds = argument.parse().ok().filter(|seconds| (0.05..=3600.0).contains(seconds));
-    seconds.ok_or("expected a number of seconds from 0.05 to 3600")
-}
-
-fn factor(argument: &str) -> Result<f64, &'static str> {
-    let factor = argument.parse().ok().filter(|factor| (1.0..=100.0).contains(factor));
-    factor.ok_or("expected a number from 1 to 100")
 }
 
 pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {

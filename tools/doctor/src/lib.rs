@@ -34,7 +34,7 @@ use scenario::{Scenario, builtin};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use supervise::Error;
+use supervise::{Error, number_within};
 use wake_ups::{LoopOptions, WakeUps};
 
 /// Memory of a run's processes without its shared memory, bytes: five of up to 12 MiB.
@@ -49,18 +49,11 @@ pub struct DoctorArguments {
     #[command(flatten)]
     pub own: LoopOptions,
     /// Time for which wake-ups of each loop are measured, s: rare delays need minutes
-    #[arg(long = "for", value_name = "S", default_value_t = MEASURE_S, value_parser = seconds)]
+    #[arg(long = "for", value_name = "S", default_value_t = MEASURE_S, value_parser = number_within(0.1..=86_400.0, "a number of seconds"))]
     pub seconds: f64,
     /// Print the findings as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
-}
-
-fn seconds(argument: &str) -> Result<f64, &'static str> {
-    match argument.parse::<f64>() {
-        Ok(seconds) if (0.1..=86_400.0).contains(&seconds) => Ok(seconds),
-        _ => Err("expected a number of seconds from 0.1 to 86400"),
-    }
 }
 
 #[derive(Debug, Serialize)]

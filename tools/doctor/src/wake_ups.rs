@@ -27,6 +27,7 @@ use runtime::statistics::Latencies;
 use runtime::{monotonic_ns, sleep_until};
 use serde::Serialize;
 use serde_json::{Value, json};
+use supervise::number_within;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Loop {
@@ -58,18 +59,11 @@ impl Loop {
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub struct LoopOptions {
     /// Period of a loop of yours, ms [default: loops of 10 ms and 1 ms]
-    #[arg(long, value_name = "MS", value_parser = milliseconds)]
+    #[arg(long, value_name = "MS", value_parser = number_within(0.01..=10_000.0, "a number of milliseconds"))]
     pub period_ms: Option<f64>,
     /// Largest lateness of a wake-up that your loop accepts, ms [default: a tenth of the period]
-    #[arg(long, value_name = "MS", value_parser = milliseconds, requires = "period_ms")]
+    #[arg(long, value_name = "MS", value_parser = number_within(0.01..=10_000.0, "a number of milliseconds"), requires = "period_ms")]
     pub budget_ms: Option<f64>,
-}
-
-fn milliseconds(argument: &str) -> Result<f64, &'static str> {
-    match argument.parse::<f64>() {
-        Ok(ms) if (0.01..=10_000.0).contains(&ms) => Ok(ms),
-        _ => Err("expected a number of milliseconds from 0.01 to 10000"),
-    }
 }
 
 impl LoopOptions {

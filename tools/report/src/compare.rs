@@ -1,7 +1,7 @@
 //! Several runs of one scenario in one picture.
 
 use super::chart::{Curve, Plot, Stroke, Tone, escape};
-use super::html::figure;
+use super::html::{figure, grid};
 use super::picture::{Points, RunPicture};
 
 /// Largest difference of two runs' speeds at which one curve covers the other, m/s.
@@ -35,7 +35,7 @@ pub fn overlay(runs: &[(&str, &RunPicture)]) -> String {
     ];
     let drawn: String =
         plots.iter().filter(|plot| !plot.curves.is_empty()).map(|plot| figure(plot)).collect();
-    format!("<div class=\"grid\">\n{drawn}</div>\n{}", alike(runs))
+    grid(&drawn) + &alike(runs)
 }
 
 /// The first earlier run that drives like the one at `index`.

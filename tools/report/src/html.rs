@@ -67,6 +67,11 @@ pub fn section(heading: &str, body: &str) -> String {
     format!("<section>\n<h2>{}</h2>\n{body}</section>\n", escape(heading))
 }
 
+/// Pictures beside each other; nothing where there is none.
+pub fn grid(drawn: &str) -> String {
+    if drawn.is_empty() { String::new() } else { format!("<div class=\"grid\">\n{drawn}</div>\n") }
+}
+
 /// A picture with its title, as data that the page's script draws.
 pub fn figure(picture: impl Into<Chart>) -> String {
     let chart = picture.into();

@@ -5,7 +5,7 @@
 
 use crate::Error;
 use crate::faults::Faults;
-use crate::refusal::check_in_process;
+use crate::refusal::check_simulated;
 use crate::start::processes::for_services;
 use crate::start::{is_foreign, programs};
 use controller::laws::external::Questions;
@@ -129,7 +129,7 @@ impl SteppedRun {
         sealing: Sealing,
         questions: Option<Questions>,
     ) -> Result<Self, Error> {
-        check_in_process(scenario)?;
+        check_simulated(scenario)?;
         let programs = match &questions {
             Some(_) => BTreeMap::new(),
             None => programs(&BTreeMap::new(), scenario)?,

@@ -5,7 +5,7 @@ use messages::Service;
 use radio::{Carrier, Role};
 use runtime::Mode;
 use runtime::scheduling::usable_cores;
-use scenario::faults::{Effect, Fault, Helper, Kind, ProcessFault, Target};
+use scenario::faults::{Effect, Fault, Helper, ProcessFault, Target};
 use scenario::{Problem, Scenario};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -53,17 +53,10 @@ pub fn check_processes(
     scenario: &Scenario,
     programs: &BTreeMap<Service, PathBuf>,
 ) -> Result<(), UsageError> {
-    check_radio(scenario, mode)?;
     if mode == Mode::Lockstep {
-        if let Some((index, kind)) = fault_of_processes(scenario) {
-            let place = format_args!(
-                "faults.{index}: `{kind}` acts on a process and needs --mode realtime"
-            );
-            let why = "in lockstep all services wait for each other";
-            return Err(UsageError::at(place, why, "`drop` to silence a topic"));
-        }
-        return check_standbys(scenario);
+        return check_simulated(scenario);
     }
+    check_radio(scenario, mode)?;
     let services = scenario.supervision.standby.services();
     match services.into_iter().find(|service| programs.contains_key(service)) {
         Some(service) => {
@@ -87,17 +80,19 @@ pub fn check_recorder(scenario: &Scenario, is_recorded: bool) -> Result<(), Usag
     }
 }
 
-/// Checks that one process can run the scenario.
-pub fn check_in_process(scenario: &Scenario) -> Result<(), UsageError> {
+/// Checks that the scenario can be driven in simulated time, by one process or by several.
+pub fn check_simulated(scenario: &Scenario) -> Result<(), UsageError> {
     check_radio(scenario, Mode::Lockstep)?;
-    match fault_of_processes(scenario) {
-        Some((index, kind)) => {
-            let place = format_args!("faults.{index}: `{kind}` acts on a process");
-            let expected =
-                "no such fault (--set faults=[]), or --mode realtime without --in-process";
-            Err(UsageError::at(place, "here all services share one", expected))
+    check_faults_in_lockstep(scenario)
+        .map_err(|problem| UsageError::at(problem.path, problem.message, problem.expected))?;
+    match scenario.supervision.standby.services().first() {
+        Some(service) => {
+            let place =
+                format_args!("supervision.standby: a standby for {service} needs --mode realtime");
+            let why = "in lockstep the end of a process ends the run";
+            Err(UsageError::at(place, why, "no standby"))
         }
-        None => check_standbys(scenario),
+        None => Ok(()),
     }
 }
 
@@ -113,33 +108,16 @@ fn check_radio(scenario: &Scenario, mode: Mode) -> Result<(), UsageError> {
     Carrier::open(address, Role::Vehicle).map(drop).map_err(unusable)
 }
 
-fn check_standbys(scenario: &Scenario) -> Result<(), UsageError> {
-    match scenario.supervision.standby.services().first() {
-        Some(service) => {
-            let place =
-                format_args!("supervision.standby: a standby for {service} needs --mode realtime");
-            let why = "in lockstep the end of a process ends the run";
-            Err(UsageError::at(place, why, "no standby"))
-        }
-        None => Ok(()),
-    }
-}
-
 /// Checks that no fault acts on a process, for a run in simulated time.
 ///
 /// # Errors
 /// The place of the first one.
 pub fn check_faults_in_lockstep(scenario: &Scenario) -> Result<(), Problem> {
-    let Some((index, kind)) = fault_of_processes(scenario) else { return Ok(()) };
+    let of_process = |fault: &Fault| matches!(fault.effect, Effect::Process(_));
+    let Some(index) = scenario.faults.iter().position(of_process) else { return Ok(()) };
+    let kind = scenario.faults[index].effect.kind();
     let message =
         format!("`{kind}` acts on a process: in lockstep all services wait for each other");
     let expected = "--mode realtime and without --in-process, or `drop` to silence a topic";
     Err(Problem::new(format!("faults.{index}.kind"), message, expected))
-}
-
-/// The first fault that acts on processes, and its index.
-fn fault_of_processes(scenario: &Scenario) -> Option<(usize, Kind)> {
-    let mut faults = scenario.faults.iter().map(|fault| &fault.effect).enumerate();
-    let found = faults.find(|(_, effect)| matches!(effect, Effect::Process(_)));
-    found.map(|(index, effect)| (index, effect.kind()))
 }

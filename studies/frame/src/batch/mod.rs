@@ -79,7 +79,7 @@ pub fn at_once(chosen: Option<NonZeroUsize>, mode: Mode) -> usize {
 pub fn check(scenario: &Scenario, mode: Mode, group: &GroupOptions) -> Result<(), Error> {
     group.programs()?;
     match carrier(group, mode) {
-        Carrier::Memory => Ok(supervise::check_in_process(scenario)?),
+        Carrier::Memory => Ok(supervise::check_simulated(scenario)?),
         Carrier::SharedMemory => Ok(()),
     }
 }

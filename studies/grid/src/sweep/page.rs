@@ -4,7 +4,7 @@ use super::results::{Folded, Sweep};
 use crate::row::interventions;
 use report::chart::{Axis, Curve, Plot, Tone};
 use report::figures::{Figure, compared};
-use report::html::figure;
+use report::html::{figure, grid};
 use report::results::Document;
 use report::summary::braked;
 
@@ -17,14 +17,10 @@ pub fn document(sweep: &Sweep) -> Document {
         (sweep.points.iter().map(|point| point.completed).sum::<usize>(), sweep.runs.len());
     let helped = braked(interventions(&sweep.runs));
     let curves: String = plots(sweep).iter().map(|plot| figure(plot)).collect();
-    let curves = match curves.as_str() {
-        "" => curves,
-        drawn => format!("<div class=\"grid\">\n{drawn}</div>\n"),
-    };
     Document::new("sweep", &format!("Sweep of {}", sweep.scenario), sweep)
         .about(sweep.about())
         .verdict(sweep.ok, format!("{whole} of {all} runs without {}; {helped}", sweep.rules()))
-        .figures("Figures", curves)
+        .figures("Figures", grid(&curves))
         .table(sweep.table())
         .text(sweep.reasons())
 }

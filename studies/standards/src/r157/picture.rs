@@ -2,7 +2,7 @@
 //! distance and lateral speed. It also shows the edges of the models' regions.
 
 use report::chart::{Axis, Edges, Stroke, Tone, cells};
-use report::html::figure;
+use report::html::{figure, grid};
 
 use super::matrix::Case;
 use super::results::Judged;
@@ -60,8 +60,8 @@ fn pictures(
         html += &figure(cells(title, (x, y), &kinds, edges));
     }
     format!(
-        "<p class=\"quiet\">{empty} other pairs of speeds have no collision</p>\n\
-         <div class=\"grid\">\n{html}</div>\n"
+        "<p class=\"quiet\">{empty} other pairs of speeds have no collision</p>\n{}",
+        grid(&html)
     )
 }
 

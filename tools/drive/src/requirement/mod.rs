@@ -18,7 +18,7 @@ pub use evidence::Evidence;
 pub use reference::is_avoidable_collision;
 
 use evidence::Finding;
-use names::{Named, Rule, WrongForm};
+use names::{Named, Rule};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use signals::Samples;
@@ -78,7 +78,7 @@ pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, Requirement
     let read = |(index, text): (usize, &String)| {
         let refuse = |why: String| RequirementError { index, why };
         if let Some(name) = names::unknown(text) {
-            let names = scenario::accepted(name, names::NAMES);
+            let names = scenario::accepted(name, names::names());
             let why = format!("unknown requirement `{name}`, expected a formula or one of {names}");
             return Err(refuse(why));
         }
@@ -88,7 +88,7 @@ pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, Requirement
             Some(Ok(Named::Rule(rule))) => {
                 return Ok(Requirement { text: text.clone(), judge: Judge::Rule(rule) });
             }
-            Some(Err(WrongForm(expected))) => {
+            Some(Err(expected)) => {
                 return Err(refuse(format!("\"{text}\", expected {expected}")));
             }
         };

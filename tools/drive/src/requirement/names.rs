@@ -16,22 +16,37 @@
 //! A vehicle whose time gap is above 6 s is not followed. Comfort's accelerations are ISO 15622's limits above 20 m/s,
 //! and its jerk is the limit below 5 m/s. All come from secondary sources.
 
-pub(super) const NAMES: [&str; 11] = [
-    "no-collision",
-    "no-avoidable-collision",
-    "no-red-light",
-    "min-gap",
-    "ttc",
-    "time-gap",
-    "jerk",
-    "braking",
-    "lateral",
-    "comfort",
-    "string-stable",
-];
-
 /// Time gap above which a vehicle ahead is not followed, s.
 const FOLLOWED_S: f64 = 6.0;
+
+/// The form of a rule that takes no value.
+const ALONE: &str = "the name without a value";
+
+/// Every name, the form that it needs, and its meaning with what stands behind the colon.
+const KNOWN: [(&str, &str, fn(Option<&str>) -> Option<Named>); 11] = [
+    ("no-collision", ALONE, |value| alone(value, Named::Rule(Rule::Collision))),
+    ("no-avoidable-collision", ALONE, |value| alone(value, Named::Rule(Rule::AvoidableCollision))),
+    ("no-red-light", ALONE, |value| alone(value, Named::Rule(Rule::RedLight))),
+    ("min-gap", "min-gap:METRES", |value| limited(value, |m| format!("always gap_m >= {m}"))),
+    ("ttc", "ttc:SECONDS", |value| limited(value, |s| format!("always ttc_s >= {s}"))),
+    ("time-gap", "time-gap:LEAST..MOST in s", time_gap),
+    ("jerk", "jerk:LIMIT in m/s³", |value| {
+        limited(value, |j| format!("always abs(jerk_mps3) <= {j}"))
+    }),
+    ("braking", "braking:LIMIT in m/s²", |value| {
+        limited(value, |a| format!("always acceleration_mps2 >= -{a}"))
+    }),
+    ("lateral", "lateral:LIMIT in m/s²", |value| {
+        Some(Named::Rule(Rule::Lateral(positive(value?)?)))
+    }),
+    ("comfort", "comfort, without a value", |value| {
+        alone(value, Named::Formula(COMFORT.to_owned()))
+    }),
+    ("string-stable", "it in `timegap string`, which drives strings of cars", |_| None),
+];
+
+const COMFORT: &str =
+    "always (acceleration_mps2 >= -3.5 and acceleration_mps2 <= 2 and abs(jerk_mps3) <= 5)";
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Named {
@@ -64,63 +79,42 @@ impl Rule {
     }
 }
 
-/// A name with wrong values: the form that it needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct WrongForm(pub(super) &'static str);
-
 /// The name that `text` seems to mean, if it is not a known one. A word without operators and signals is not a formula.
 pub(super) fn unknown(text: &str) -> Option<&str> {
     let name = text.split(':').next().unwrap_or_default().trim();
     let is_word = !name.is_empty() && name.bytes().all(|b| b.is_ascii_lowercase() || b == b'-');
-    (is_word && !NAMES.contains(&name)).then_some(name)
+    (is_word && !names().contains(&name)).then_some(name)
 }
 
-/// The meaning of a named requirement; `None` if `text` is not one.
-pub(super) fn named(text: &str) -> Option<Result<Named, WrongForm>> {
+pub(super) fn names() -> [&'static str; 11] {
+    KNOWN.map(|(name, ..)| name)
+}
+
+/// The meaning of a named requirement, or the form that its value needs; `None` if `text` is not one.
+pub(super) fn named(text: &str) -> Option<Result<Named, &'static str>> {
     let (name, value) = match text.split_once(':') {
         Some((name, value)) => (name.trim(), Some(value.trim())),
         None => (text.trim(), None),
     };
-    let number = || value.and_then(positive);
-    let rule = |rule| match value {
-        None => Ok(Named::Rule(rule)),
-        Some(_) => Err(WrongForm("the name without a value")),
-    };
-    let formula = match name {
-        "no-collision" => return Some(rule(Rule::Collision)),
-        "no-avoidable-collision" => return Some(rule(Rule::AvoidableCollision)),
-        "no-red-light" => return Some(rule(Rule::RedLight)),
-        "lateral" => {
-            let limit = number().map(|a| Named::Rule(Rule::Lateral(a)));
-            return Some(limit.ok_or(WrongForm("lateral:LIMIT in m/s²")));
-        }
-        "string-stable" => Err("it in `timegap string`, which drives strings of cars"),
-        "min-gap" => number().map(|m| format!("always gap_m >= {m}")).ok_or("min-gap:METRES"),
-        "ttc" => number().map(|s| format!("always ttc_s >= {s}")).ok_or("ttc:SECONDS"),
-        "jerk" => number().map(|j| format!("always abs(jerk_mps3) <= {j}")).ok_or("jerk:LIMIT in m/s³"),
-        "braking" => {
-            number().map(|a| format!("always acceleration_mps2 >= -{a}")).ok_or("braking:LIMIT in m/s²")
-        }
-        "time-gap" => band(value).map(time_gap).ok_or("time-gap:LEAST..MOST in s"),
-        "comfort" => match value {
-            None => Ok("always (acceleration_mps2 >= -3.5 and acceleration_mps2 <= 2 and abs(jerk_mps3) <= 5)".to_owned()),
-            Some(_) => Err("comfort, without a value"),
-        },
-        _ => return None,
-    };
-    Some(formula.map(Named::Formula).map_err(WrongForm))
+    let (_, form, meaning) = KNOWN.iter().find(|(known, ..)| *known == name)?;
+    Some(meaning(value).ok_or(*form))
 }
 
-fn time_gap((least_s, most_s): (f64, f64)) -> String {
-    format!(
-        "always (time_gap_s >= {least_s} and (time_gap_s <= {most_s} or time_gap_s > {FOLLOWED_S}))"
-    )
+fn alone(value: Option<&str>, meaning: Named) -> Option<Named> {
+    value.is_none().then_some(meaning)
 }
 
-fn band(value: Option<&str>) -> Option<(f64, f64)> {
+fn limited(value: Option<&str>, formula: fn(f64) -> String) -> Option<Named> {
+    Some(Named::Formula(formula(positive(value?)?)))
+}
+
+fn time_gap(value: Option<&str>) -> Option<Named> {
     let (least, most) = value?.split_once("..")?;
-    let (least, most) = (positive(least)?, positive(most)?);
-    (least <= most && most < FOLLOWED_S).then_some((least, most))
+    let (least_s, most_s) = (positive(least)?, positive(most)?);
+    let formula = format!(
+        "always (time_gap_s >= {least_s} and (time_gap_s <= {most_s} or time_gap_s > {FOLLOWED_S}))"
+    );
+    (least_s <= most_s && most_s < FOLLOWED_S).then_some(Named::Formula(formula))
 }
 
 fn positive(text: &str) -> Option<f64> {
@@ -133,7 +127,7 @@ mod tests {
 
     #[test]
     fn every_name_is_known_and_no_formula_is_a_name() {
-        for name in NAMES {
+        for name in names() {
             assert!(named(name).is_some() && unknown(name).is_none(), "{name}");
         }
         assert_eq!(unknown("min-gop:2"), Some("min-gop"));

@@ -64,11 +64,11 @@ pub(super) fn facts(facts: &[Fact], width: usize) -> String {
     lines.collect()
 }
 
-/// A cell in lines of at most `most` characters, broken behind dots and spaces; none where a part is longer.
-fn broken(cell: &str, most: usize) -> Option<String> {
+/// A cell in lines of at most `most` characters, or of one part: broken behind dots and spaces.
+fn broken(cell: &str, most: usize) -> String {
     let mut lines = vec![String::new()];
     for part in cell.split_inclusive(['.', ' ']) {
-        let line = lines.last_mut()?;
+        let line = lines.last_mut().expect("there is a first line");
         let is_too_long = line.chars().count() + part.trim_end().chars().count() > most;
         if is_too_long && !line.is_empty() {
             lines.push(format!("  {part}"));
@@ -76,8 +76,7 @@ fn broken(cell: &str, most: usize) -> Option<String> {
             *line += part;
         }
     }
-    let lines: Vec<_> = lines.iter().map(|line| line.trim_end()).collect();
-    lines.iter().all(|line| line.chars().count() <= most).then(|| lines.join("\n"))
+    lines.iter().map(|line| line.trim_end()).collect::<Vec<_>>().join("\n")
 }
 
 /// Characters of the longest line.
@@ -121,7 +120,7 @@ impl Table {
         if !long.is_empty() {
             return heading + &self.listed(rows, &short, &long, width);
         }
-        let upright = self.upright(rows, &short);
+        let upright = self.upright(rows, &short, usize::MAX);
         if widest(&upright) <= width {
             return heading + &upright;
         }
@@ -133,7 +132,7 @@ impl Table {
         }
         let mut left_out: Vec<usize> = Vec::new();
         let text = loop {
-            let upright = self.upright(rows, &short);
+            let upright = self.upright(rows, &short, usize::MAX);
             let excess = widest(&upright).saturating_sub(width);
             if excess == 0 {
                 break upright;
@@ -141,10 +140,16 @@ impl Table {
             let heaviest = (0..short.len()).max_by_key(|&k| (self.columns[short[k]].weight, k));
             match heaviest.filter(|&k| self.columns[short[k]].weight > 0) {
                 Some(place) => left_out.push(short.remove(place)),
-                None => match self.narrowed(rows, &short, excess) {
-                    Some(narrowed) => break narrowed,
-                    None => return heading + &self.listed(rows, &short[..1], &short[1..], width),
-                },
+                None => {
+                    let firsts = self.chosen(rows).into_iter().flatten();
+                    let firsts = firsts.map(|row| self.cell(row, short[0], None).chars().count());
+                    let most = firsts.max().unwrap_or(0).saturating_sub(excess);
+                    let narrowed = self.upright(rows, &short, most);
+                    if widest(&narrowed) <= width {
+                        break narrowed;
+                    }
+                    return heading + &self.listed(rows, &short[..1], &short[1..], width);
+                }
             }
         };
         if left_out.is_empty() {
@@ -189,29 +194,8 @@ impl Table {
         [some(before), vec![None], some(behind)].concat()
     }
 
-    /// The table with cells of the first column in several lines, so that it is narrower by `by`. `None` if that cannot
-    /// be.
-    fn narrowed(&self, rows: &Range<usize>, shown: &[usize], by: usize) -> Option<String> {
-        let place = *shown.first()?;
-        let first = self.chosen(rows).into_iter().flatten();
-        let cells: Vec<String> =
-            first.map(|row| self.columns[place].text(&self.rows[row][place])).collect();
-        let most = cells.iter().map(|cell| cell.chars().count()).max()?.checked_sub(by)?;
-        let cells = cells.iter().map(|cell| broken(cell, most)).collect::<Option<Vec<_>>>()?;
-        Some(self.upright_under(rows, shown, cells.into_iter()))
-    }
-
-    fn upright(&self, rows: &Range<usize>, shown: &[usize]) -> String {
-        self.upright_under(rows, shown, std::iter::empty())
-    }
-
-    /// The upright table; `firsts` replace the cells of its first column.
-    fn upright_under(
-        &self,
-        rows: &Range<usize>,
-        shown: &[usize],
-        mut firsts: impl Iterator<Item = String>,
-    ) -> String {
+    /// The upright table; cells of its first column have at most `most` characters in a line, if they can be broken.
+    fn upright(&self, rows: &Range<usize>, shown: &[usize], most: usize) -> String {
         let titles: Vec<String> = shown.iter().map(|&place| self.columns[place].title()).collect();
         let align = |place: &usize| match self.columns[*place].is_number() {
             true => Align::Right,
@@ -232,12 +216,13 @@ impl Table {
                 table.row(["...".to_owned(), format!("{more} more")]);
                 continue;
             };
-            let mut first = firsts.next();
-            table.row(shown.iter().zip(&best).map(|(&place, best)| {
+            table.row(shown.iter().zip(&best).enumerate().map(|(k, (&place, best))| {
                 let text = self.cell(row, place, best.as_deref());
-                let is_unmarked = best.is_some() && !text.ends_with(BEST);
-                let text = if is_unmarked { text + " " } else { text };
-                first.take().unwrap_or(text)
+                match best {
+                    Some(_) if !text.ends_with(BEST) => text + " ",
+                    None if k == 0 => broken(&text, most),
+                    _ => text,
+                }
             }));
         }
         without_trailing_spaces(&table.text())

@@ -175,7 +175,13 @@ impl Document {
     }
 
     /// The same with named values, a line each; none add nothing.
-    pub fn facts(mut self, heading: &str, facts: Vec<Fact>) -> Self {
+    pub fn facts<N: Into<String>>(
+        mut self,
+        heading: &str,
+        facts: impl IntoIterator<Item = (N, String)>,
+    ) -> Self {
+        let facts: Vec<Fact> =
+            facts.into_iter().map(|(name, value)| (name.into(), value)).collect();
         if !facts.is_empty() {
             self.parts.push(Part::Facts(heading.to_owned(), facts));
         }

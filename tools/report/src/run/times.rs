@@ -1,6 +1,6 @@
 //! Times, messages and processes of a run as tables, and charts of the times.
 
-use crate::html::figure;
+use crate::html::{figure, grid};
 use crate::picture::RunPicture;
 use crate::print::carries;
 use crate::results::{Column, Document, Table, count, flag, micros, number, word};
@@ -74,11 +74,7 @@ pub fn pictures(document: Document, summary: &Summary, run: &RunPicture) -> Docu
     let hops = timing::latencies(run, count).map_or_else(String::new, |plot| figure(&plot));
     let worst =
         timing::worst_chains(&run.worst_chains).map_or_else(String::new, |bands| figure(&bands));
-    let drawn = match hops + &worst {
-        drawn if drawn.is_empty() => drawn,
-        drawn => format!("<div class=\"grid\">\n{drawn}</div>\n"),
-    };
-    document.figures("Reaction time", drawn).table(worst_table(&run.worst_chains))
+    document.figures("Reaction time", grid(&(hops + &worst))).table(worst_table(&run.worst_chains))
 }
 
 /// Events during the longest chains.

@@ -11,6 +11,7 @@ use runtime::Mode;
 use scenario::{Setting, option_value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use toml::Value;
 
@@ -89,7 +90,7 @@ pub struct GroupOptions {
     #[arg(long = "service", value_name = "NAME=PROGRAM", value_parser = service_program)]
     pub programs: Vec<(Service, PathBuf)>,
     /// Longest time until all services are ready, s
-    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = positive_seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = number_within(0.001..=3600.0, "a number of seconds"))]
     pub ready_timeout: f64,
     /// Run every service as a separate process in lockstep too
     #[arg(long)]
@@ -127,10 +128,14 @@ pub fn service_program(argument: &str) -> Result<(Service, PathBuf), Error> {
     Ok((name.parse()?, PathBuf::from(program)))
 }
 
-fn positive_seconds(argument: &str) -> Result<f64, &'static str> {
-    match argument.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds <= 3600.0 => Ok(seconds),
-        _ => Err("expected a number of seconds above 0 and at most 3600"),
+/// Reads the value of an option: `what`, in a range.
+pub fn number_within(
+    range: RangeInclusive<f64>,
+    what: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| format!("expected {what} from {} to {}", range.start(), range.end()))
     }
 }
 
