@@ -39,8 +39,6 @@ use supervise::{Error, MachineError, UsageError, check_room};
 
 /// Name of the graph's file in a run's root.
 const FILE: &str = "graph.json";
-/// Longest file of a graph, bytes.
-const MAX_BYTES: u64 = 1 << 20;
 /// Shared memory of a process beside its messages, bytes.
 const PROCESS_BYTES: usize = 1 << 20;
 /// Messages in a receiver's buffer, and those that it may hold.
@@ -51,14 +49,7 @@ const FLOOR_MS: f64 = 1.0;
 impl Graph {
     /// Reads the file of a graph.
     fn open(path: &Path) -> Result<Self, Error> {
-        let error = Error::path("read", path);
-        let metadata = std::fs::metadata(path).map_err(error)?;
-        if !metadata.is_file() || metadata.len() > MAX_BYTES {
-            let expected = format_args!("a file of at most {MAX_BYTES} bytes");
-            return Err(UsageError::at(path.display(), "no graph", expected).into());
-        }
-        let text = std::fs::read_to_string(path).map_err(error)?;
-        Ok(Self::parse(&path.display().to_string(), &text)?)
+        Ok(Self::parse(&path.display().to_string(), &Error::text_of(path, "graph")?)?)
     }
 
     /// Reads what the launcher wrote below the root of a run.

@@ -49,10 +49,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
-use supervise::{Error, UsageError};
-
-/// Longest campaign file, bytes.
-const MAX_BYTES: u64 = 1 << 20;
+use supervise::Error;
 
 /// Largest number of faults that are drawn for a run.
 const MAX_FAULTS_PER_RUN: u32 = 16;
@@ -156,14 +153,7 @@ impl Campaign {
 
     /// Reads a campaign file as it is.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let error = Error::path("read", path);
-        let metadata = std::fs::metadata(path).map_err(error)?;
-        if !metadata.is_file() || metadata.len() > MAX_BYTES {
-            let expected = format_args!("a file of at most {MAX_BYTES} bytes");
-            return Err(UsageError::at(path.display(), "no campaign", expected).into());
-        }
-        let text = std::fs::read_to_string(path).map_err(error)?;
-        Self::parse(&path.display().to_string(), &text)
+        Self::parse(&path.display().to_string(), &Error::text_of(path, "campaign")?)
     }
 
     /// Reads the text of a campaign file.

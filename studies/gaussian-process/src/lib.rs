@@ -43,12 +43,10 @@
 
 mod factor;
 mod fit;
-mod improvement;
 mod kernel;
 mod lanes;
 mod process;
 
 pub use fit::fit;
-pub use improvement::expected_improvement;
 pub use kernel::{Hyperparameters, Kind};
-pub use process::{Process, Watched};
+pub use process::{Process, Watched, expected_improvement};

@@ -10,12 +10,14 @@
 use std::num::NonZeroUsize;
 use std::sync::Mutex;
 
+use frame::RunOptions;
 use frame::batch::{self, Done};
 use indicatif::ProgressBar;
 use runtime::Mode;
 use scenario::Scenario;
-use supervise::{Error, GroupOptions};
+use supervise::{Error, GroupOptions, UsageError};
 
+use crate::SearchArguments;
 use crate::method::seed_of;
 use crate::problem::{Problem, Value, is_refusal, rounded};
 use crate::record::{Judged, judge};
@@ -133,15 +135,39 @@ fn halved(
     Ok(found)
 }
 
+/// How a command tries minimal cases.
+pub struct Trials {
+    /// Seed of the search.
+    pub seed: u64,
+    /// Seeds of a case.
+    count: usize,
+    group: GroupOptions,
+    /// Runs at once; none: one per core.
+    jobs: Option<NonZeroUsize>,
+    is_quiet: bool,
+}
+
+impl Trials {
+    pub fn new(arguments: &SearchArguments, run: &RunOptions) -> Result<Self, UsageError> {
+        Ok(Self {
+            seed: arguments.seed()?,
+            count: arguments.trials.get(),
+            group: run.group.clone(),
+            jobs: run.jobs,
+            is_quiet: run.results.json,
+        })
+    }
+
+    /// Counts the runs.
+    pub fn bar(&self, what: &'static str) -> ProgressBar {
+        report::print::count_bar(0, self.is_quiet).with_message(what)
+    }
+}
+
 /// Drives in the worker's threads.
 pub struct Seeds<'a> {
     pub problem: &'a Problem,
-    pub group: &'a GroupOptions,
-    /// Runs at once; none: one per core.
-    pub jobs: Option<NonZeroUsize>,
-    pub seed: u64,
-    pub count: usize,
-    /// Counts the runs.
+    pub trials: &'a Trials,
     pub bar: &'a ProgressBar,
 }
 
@@ -156,7 +182,7 @@ pub fn repeatable(scenario: &Scenario) -> String {
 impl Seeds<'_> {
     fn run(&self, values: &[Value], seed: u64, going_on: &dyn Fn() -> bool) -> Result<Done, Error> {
         let scenario = self.problem.scenario(values, seed)?;
-        batch::lockstep(&scenario, self.group, going_on)
+        batch::lockstep(&scenario, &self.trials.group, going_on)
     }
 
     pub fn repeat(&self, values: &[Value], seed: u64) -> Result<Done, Error> {
@@ -164,28 +190,28 @@ impl Seeds<'_> {
     }
 
     fn seed(&self, index: usize) -> u64 {
-        seed_of(self.seed, 7, index as u64)
+        seed_of(self.trials.seed, 7, index as u64)
     }
 }
 
 impl Trial for Seeds<'_> {
     fn seeds(&self) -> usize {
-        self.count
+        self.trials.count
     }
 
     fn drive(&self, values: &[Value], all: bool) -> Result<Held, Error> {
         if self.problem.by_reference(&self.problem.scenario(values, 1)?) >= 0.0 {
             return Ok(Held { failed: 0, tried: 0, first: None });
         }
-        let at_once = batch::at_once(self.jobs, Mode::Lockstep);
-        let (enough, mut done) = (self.enough(), 0);
+        let at_once = batch::at_once(self.trials.jobs, Mode::Lockstep);
+        let (count, enough, mut done) = (self.trials.count, self.enough(), 0);
         let mut failed: Vec<(usize, Judged)> = Vec::new();
-        while done < self.count {
-            let is_clear = failed.len() >= enough || done - failed.len() > self.count - enough;
+        while done < count {
+            let is_clear = failed.len() >= enough || done - failed.len() > count - enough;
             if is_clear && !all {
                 break;
             }
-            let next = at_once.min(self.count - done);
+            let next = at_once.min(count - done);
             let first = done;
             let ended = Mutex::new(Vec::new());
             let work = |index: usize, going_on: &dyn Fn() -> bool| {
@@ -211,7 +237,6 @@ impl Trial for Seeds<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SearchArguments;
     use frame::Command;
 
     /// Fails if the gap is below 30 and the set speed above 20, on nine of ten seeds. The mass does not matter.

@@ -1,7 +1,6 @@
 //! The command as a study of the frame.
 
 use std::collections::BTreeMap;
-use std::num::NonZeroUsize;
 use std::process::ExitCode;
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
@@ -16,7 +15,7 @@ use supervise::{Error, GroupOptions, UsageError};
 
 use crate::faults::Faults;
 use crate::method::{Chooser, MethodName, Proposal, independent, seed_of};
-use crate::minimal::{self, Held, Seeds, Trial, repeatable};
+use crate::minimal::{self, Held, Seeds, Trial, Trials, repeatable};
 use crate::pictures::Drives;
 use crate::probability::Probability;
 use crate::problem::{Problem, Value};
@@ -44,13 +43,9 @@ struct Runs {
     problem: Problem,
     method: MethodName,
     budget: usize,
-    seed: u64,
-    /// Seeds of a minimal case, and number of such cases.
-    seeds: usize,
+    /// Number of minimal cases.
     cases: usize,
-    group: GroupOptions,
-    jobs: Option<NonZeroUsize>,
-    is_quiet: bool,
+    trials: Trials,
     chooser: Mutex<Chooser>,
     /// A run ended: others may have waited for it.
     ended: Condvar,
@@ -62,7 +57,7 @@ impl Runs {
     fn proposal(&self, run: usize, going_on: &dyn Fn() -> bool) -> Result<Proposal, Error> {
         let admit = |point: &[f64]| self.problem.admit(point);
         if self.method == MethodName::Random {
-            return independent(self.problem.dimensions(), self.seed, run, &admit);
+            return independent(self.problem.dimensions(), self.trials.seed, run, &admit);
         }
         let mut chooser = self.chooser.lock().expect("no worker panics here");
         while !chooser.is_ready(run) {
@@ -112,18 +107,14 @@ impl Study for Runs {
             let expected = format_args!("--replicas {} or a multiple", shard.count);
             return Err(UsageError::at(place, "a part holds whole replicas", expected).into());
         }
-        let seed = arguments.seed()?;
+        let trials = Trials::new(arguments, options)?;
         let problem = Problem::open(arguments, &options.group)?;
-        let chooser = Chooser::new(method, &problem.kinds(), seed, replicas);
+        let chooser = Chooser::new(method, &problem.kinds(), trials.seed, replicas);
         Ok(Self {
             method,
             budget: arguments.budget.get(),
-            seed,
-            seeds: arguments.trials.get(),
             cases: arguments.cases.into(),
-            group: options.group.clone(),
-            jobs: options.jobs,
-            is_quiet: options.results.json,
+            trials,
             chooser: Mutex::new(chooser),
             ended: Condvar::new(),
             under_way: Mutex::default(),
@@ -156,7 +147,7 @@ impl Study for Runs {
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Recorded<Self> {
         let proposal = self.proposal(run, crew.going_on())?;
         let values = self.problem.values(&proposal.point);
-        let scenario = self.problem.scenario(&values, seed_of(self.seed, 6, run as u64))?;
+        let scenario = self.problem.scenario(&values, seed_of(self.trials.seed, 6, run as u64))?;
         self.under_way.lock().expect("no worker panics here").insert(run, proposal);
         crew.drive_and_record(self, run, &Job::lockstep(scenario))
     }
@@ -186,8 +177,7 @@ impl Study for Runs {
         if shard.is_some() || !is_whole {
             return Ok(search.document(&self.problem, &records));
         }
-        let bar = report::print::count_bar(0, self.is_quiet);
-        bar.set_message("minimal cases");
+        let bar = self.trials.bar("minimal cases");
         let cases = self.reduce(&groups, &records, &bar);
         let reducing_runs = bar.position();
         bar.finish_and_clear();
@@ -209,14 +199,7 @@ impl Runs {
         records: &[(usize, Record)],
         bar: &ProgressBar,
     ) -> Result<Vec<(FailureRow, Drives)>, Error> {
-        let trial = Seeds {
-            problem: &self.problem,
-            group: &self.group,
-            jobs: self.jobs,
-            seed: self.seed,
-            count: self.seeds,
-            bar,
-        };
+        let trial = Seeds { problem: &self.problem, trials: &self.trials, bar };
         let mut sure: Vec<(FailureRow, Drives)> = Vec::new();
         let mut unsure = Vec::new();
         for group in groups.iter().take(GROUPS_PER_CASE * self.cases) {
@@ -267,7 +250,7 @@ impl Runs {
     ) -> Result<(FailureRow, Drives), Error> {
         let held = trial.drive(&values, true)?;
         let held = Held { first: held.first.or(own), ..held };
-        let seed = held.first.as_ref().map_or(self.seed, |(seed, _)| *seed);
+        let seed = held.first.as_ref().map_or(self.trials.seed, |(seed, _)| *seed);
         let scenario = self.problem.scenario(&values, seed)?;
         let mut row = FailureRow::new(&self.problem, &values, held, from);
         row.text = repeatable(&scenario);

@@ -139,7 +139,7 @@ impl OutputDirectory {
         std::fs::create_dir_all(path).map_err(error)?;
         let output = Self::lock(path.to_owned(), made)?;
         // Refused now rather than after the run.
-        output.write_file(".writable", b"")?;
+        output.write_input(".writable", b"")?;
         remove(&path.join(".writable"))?;
         Ok(output)
     }
@@ -227,14 +227,13 @@ impl OutputDirectory {
 
     /// Writes a result, whole or not at all.
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
-        self.keep();
-        self.write_file(name, contents)
+        self.write_by(name, |file| file.add(contents))
     }
 
     /// Writes what a command is about to run. A command that fails before its first result takes it
     /// away again.
     pub fn write_input(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
-        self.write_file(name, contents)
+        self.fill_file(name, |file| file.add(contents))
     }
 
     /// Writes a result bit by bit, whole or not at all. It serves results that are too long for memory.
@@ -245,10 +244,6 @@ impl OutputDirectory {
     ) -> Result<(), Error> {
         self.keep();
         self.fill_file(name, fill)
-    }
-
-    fn write_file(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
-        self.fill_file(name, |file| file.add(contents))
     }
 
     fn fill_file(

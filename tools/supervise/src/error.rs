@@ -152,6 +152,18 @@ impl Error {
         move |reason| Self::Path { action, path: path.to_owned(), reason }
     }
 
+    /// The text of a small file of the user's: a `what`.
+    pub fn text_of(path: &Path, what: &str) -> Result<String, Self> {
+        const MAX_BYTES: u64 = 1 << 20;
+        let error = Self::path("read", path);
+        let found = std::fs::metadata(path).map_err(error)?;
+        if !found.is_file() || found.len() > MAX_BYTES {
+            let expected = format_args!("a file of at most {MAX_BYTES} bytes");
+            return Err(UsageError::at(path.display(), format_args!("no {what}"), expected).into());
+        }
+        std::fs::read_to_string(path).map_err(error)
+    }
+
     /// Exit status as `--help` states it.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {

@@ -10,18 +10,16 @@
 
 mod candidates;
 
-use std::num::NonZeroUsize;
-
 use frame::batch::{Done, Job};
 use frame::{Found, Needs, Recorded, RunOptions, Study};
 use report::results::Document;
 use serde::{Deserialize, Serialize};
 use supervise::report::Outcome;
-use supervise::{Error, GroupOptions, UsageError};
+use supervise::{Error, UsageError};
 
 use crate::SearchArguments;
 use crate::method::{Sobol, seed_of};
-use crate::minimal::{self, Held, Seeds, Trial};
+use crate::minimal::{self, Held, Seeds, Trial, Trials};
 use crate::problem::{Problem, Value};
 use crate::record::{Judged, judge};
 use crate::reference;
@@ -47,11 +45,7 @@ pub struct Faults {
     candidates: Vec<Candidate>,
     sobol: Sobol,
     budget: usize,
-    seed: u64,
-    seeds: usize,
-    group: GroupOptions,
-    jobs: Option<NonZeroUsize>,
-    is_quiet: bool,
+    trials: Trials,
 }
 
 impl Study for Faults {
@@ -63,7 +57,7 @@ impl Study for Faults {
     const NEEDS: Needs = Needs::Any;
 
     fn plan(arguments: &SearchArguments, run: &RunOptions) -> Result<Self, Error> {
-        let seed = arguments.seed()?;
+        let trials = Trials::new(arguments, run)?;
         let mut base = Problem::new(&arguments.scenario, &arguments.scenario_options)?;
         let laws = &arguments.scenario_options.laws;
         laws.expect_all_in(&[base.nominal.controller.name.as_str()])?;
@@ -79,13 +73,9 @@ impl Study for Faults {
         Ok(Self {
             name: base.name,
             subject: base.nominal.to_toml(),
-            sobol: Sobol::new(3, Some(seed_of(seed, 8, 0))),
+            sobol: Sobol::new(3, Some(seed_of(trials.seed, 8, 0))),
             budget: arguments.budget.get(),
-            seed,
-            seeds: arguments.trials.get(),
-            group: run.group.clone(),
-            jobs: run.jobs,
-            is_quiet: run.results.json,
+            trials,
             candidates,
         })
     }
@@ -113,7 +103,7 @@ impl Study for Faults {
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        let seed = seed_of(self.seed, 9, run as u64);
+        let seed = seed_of(self.trials.seed, 9, run as u64);
         let scenario = self.candidate(run).problem.scenario(&self.values(run), seed)?;
         Ok(Job::lockstep(scenario))
     }
@@ -148,8 +138,7 @@ impl Study for Faults {
             rows.push((candidate, worst, row));
         }
         rows.sort_by(|a, b| a.1.judged.robustness.total_cmp(&b.1.judged.robustness));
-        let bar = report::print::count_bar(0, self.is_quiet);
-        bar.set_message("smallest faults");
+        let bar = self.trials.bar("smallest faults");
         if shard.is_none() && is_whole {
             let broken = rows.iter_mut().filter(|(_, record, _)| record.judged.robustness < 0.0);
             for (candidate, record, row) in broken.take(MOST_REDUCED) {
@@ -159,7 +148,7 @@ impl Study for Faults {
                 row.holds_on = Some([held.failed, held.tried]);
                 row.severity =
                     [SIZE, LASTS].map(|name| candidate.severity(name, &values)).iter().sum();
-                let seed = held.first.map_or(self.seed, |(seed, _)| seed);
+                let seed = held.first.map_or(self.trials.seed, |(seed, _)| seed);
                 row.text = candidate.problem.scenario(&values, seed)?.to_toml();
             }
         }
@@ -196,14 +185,7 @@ impl Faults {
         values: &[Value],
         bar: &indicatif::ProgressBar,
     ) -> Result<(Vec<Value>, Held), Error> {
-        let trial = Seeds {
-            problem: &candidate.problem,
-            group: &self.group,
-            jobs: self.jobs,
-            seed: self.seed,
-            count: self.seeds,
-            bar,
-        };
+        let trial = Seeds { problem: &candidate.problem, trials: &self.trials, bar };
         let values = match trial.holds(values)? {
             true => minimal::reduce(&candidate.problem, values, &trial)?,
             false => values.to_vec(),

@@ -14,9 +14,6 @@ use super::variable::{Domain, Value};
 use super::{FAULT, NO_FAULT, Problem, SearchError};
 use crate::reference::ReferenceName;
 
-/// Longest search file, bytes.
-const MAX_BYTES: u64 = 1 << 20;
-
 /// Keys of a fault that are words.
 const WORDS: [&str; 6] = ["kind", "topic", "service", "field", "helper", "name"];
 
@@ -93,12 +90,7 @@ pub(super) fn read(argument: &str) -> Result<Option<File>, Error> {
     if !argument.ends_with(".toml") || !path.exists() {
         return Ok(None);
     }
-    let failed = Error::path("read", path);
-    if std::fs::metadata(path).map_err(failed)?.len() > MAX_BYTES {
-        let most = format_args!("a search file of at most {MAX_BYTES}");
-        return Err(UsageError::at(argument, "too many bytes", most).into());
-    }
-    let text = std::fs::read_to_string(path).map_err(failed)?;
+    let text = Error::text_of(path, "search file")?;
     // A scenario has its own reader, which shows the places of its mistakes.
     match text.parse::<Table>() {
         Ok(table) if table.contains_key("scenario") || table.contains_key("vary") => {}
