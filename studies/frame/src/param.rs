@@ -17,21 +17,8 @@ use supervise::{Error, ScenarioOptions, UsageError};
 /// Most values of one key.
 const MAX_VALUES: usize = 10_000;
 
-/// Reason why a list of values cannot be read.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ValuesError {
-    /// `A..B` without `/STEP`.
-    #[error("the range has no step")]
-    NoStep,
-    /// A number of values that no range has.
-    #[error("`{0}` is not a number of values from 2 to {MAX_VALUES}")]
-    Points(String),
-    #[error("{0}")]
-    Other(String),
-}
-
-fn backwards(from: &str, to: &str) -> ValuesError {
-    ValuesError::Other(format!("the range begins at {from}, after its end {to}"))
+fn backwards(from: &str, to: &str) -> String {
+    format!("the range begins at {from}, after its end {to}")
 }
 
 /// A number of values, short where it has many digits.
@@ -51,12 +38,10 @@ pub struct Param {
 impl Param {
     /// Reads `KEY=A..B/STEP` or `KEY=a,b,c`, the argument of `--vary`.
     pub fn parse(argument: &str) -> Result<Self, Error> {
-        let refuse = |why: ValuesError| {
+        let refuse = |why: String| {
             UsageError::option("--vary", argument, why, "KEY=A..B/STEP, KEY=A..B:N or KEY=a,b,c")
         };
-        let (key, list) = argument
-            .split_once('=')
-            .ok_or_else(|| refuse(ValuesError::Other("no `=`".to_owned())))?;
+        let (key, list) = argument.split_once('=').ok_or_else(|| refuse("no `=`".to_owned()))?;
         let key = key.trim();
         let values = values(list, None).map_err(refuse)?;
         let setting = |value: &String| Setting::read("--vary", &format!("{key}={value}"));
@@ -96,7 +81,7 @@ pub fn refuse_if_set(by: &str, key: &str, options: &ScenarioOptions) -> Result<(
 /// | `A..B:log:N` | N, evenly in the logarithm |
 ///
 /// A range without a step takes `usual_step`, if there is one.
-pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, ValuesError> {
+pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, String> {
     // A path may have two dots as well; a range begins with a number.
     if let Some((from, rest)) = list.split_once("..")
         && from.trim().parse::<f64>().is_ok()
@@ -105,41 +90,42 @@ pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, Value
             (Some((to, step)), ..) => range(from.trim(), to.trim(), step.trim()),
             (None, Some((to, points)), _) => evenly(from.trim(), to.trim(), points.trim()),
             (None, None, Some(step)) => range(from.trim(), rest.trim(), step),
-            (None, None, None) => Err(ValuesError::NoStep),
+            (None, None, None) => Err("the range has no step".to_owned()),
         };
     }
     let values: Vec<String> = list.split(',').map(|value| value.trim().to_owned()).collect();
     if values.iter().any(String::is_empty) {
-        return Err(ValuesError::Other("a value is missing".to_owned()));
+        return Err("a value is missing".to_owned());
     }
     if let Some(twice) = values.iter().enumerate().find(|(i, v)| values[..*i].contains(v)) {
-        return Err(ValuesError::Other(format!("{} is there twice", twice.1)));
+        return Err(format!("{} is there twice", twice.1));
     }
     Ok(values)
 }
 
 /// A number that begins with a digit: a third dot is a slip, and no fraction.
-fn number(text: &str) -> Result<f64, ValuesError> {
+fn number(text: &str) -> Result<f64, String> {
     let digits = text.trim_start_matches(['-', '+']).starts_with(|c: char| c.is_ascii_digit());
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && digits => Ok(number),
-        _ => Err(ValuesError::Other(format!("`{text}` is not a number"))),
+        _ => Err(format!("`{text}` is not a number")),
     }
 }
 
 /// Values from `from` to `to`, evenly, or evenly in their logarithms.
-fn evenly(from: &str, to: &str, points: &str) -> Result<Vec<String>, ValuesError> {
+fn evenly(from: &str, to: &str, points: &str) -> Result<Vec<String>, String> {
     let (is_log, points) =
         points.strip_prefix("log:").map_or((false, points), |points| (true, points.trim()));
     let (first, last) = (number(from)?, number(to)?);
     let count = points.parse::<usize>().ok().filter(|count| (2..=MAX_VALUES).contains(count));
-    let count = count.ok_or_else(|| ValuesError::Points(points.to_owned()))?;
+    let count = count
+        .ok_or_else(|| format!("`{points}` is not a number of values from 2 to {MAX_VALUES}"))?;
     if first >= last {
         return Err(backwards(from, to));
     }
     if is_log && first <= 0.0 {
         let why = format!("a logarithmic range begins above 0, not at {from}");
-        return Err(ValuesError::Other(why));
+        return Err(why);
     }
     let steps = (count - 1) as f64;
     let at = |place: usize| match is_log {
@@ -150,22 +136,22 @@ fn evenly(from: &str, to: &str, points: &str) -> Result<Vec<String>, ValuesError
     Ok([from.to_owned()].into_iter().chain(inner).chain([to.to_owned()]).collect())
 }
 
-fn range(from: &str, to: &str, step: &str) -> Result<Vec<String>, ValuesError> {
+fn range(from: &str, to: &str, step: &str) -> Result<Vec<String>, String> {
     let [first, last, width] = [number(from)?, number(to)?, number(step)?];
     if width <= 0.0 {
-        return Err(ValuesError::Other(format!("the step {step} is not above 0")));
+        return Err(format!("the step {step} is not above 0"));
     }
     if first > last {
         return Err(backwards(from, to));
     }
     if first < last && width > last - first {
-        return Err(ValuesError::Other(format!("the step {step} is longer than the range")));
+        return Err(format!("the step {step} is longer than the range"));
     }
     // The last value may miss the end by rounding alone.
     let count = ((last - first) / width + 1e-9).floor() + 1.0;
     if count > MAX_VALUES as f64 {
         let values = self::count(count);
-        return Err(ValuesError::Other(format!("{values} values, more than {MAX_VALUES}")));
+        return Err(format!("{values} values, more than {MAX_VALUES}"));
     }
     let decimals = decimals(from).zip(decimals(step)).map(|(from, step)| from.max(step));
     Ok((0..count as usize)

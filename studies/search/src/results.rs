@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use report::html::{Tile, figure, grid};
+use report::print::counted;
 use report::results::{Broken, Column, Document, Object, Schema, Table, number, word};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -220,7 +221,11 @@ impl Search {
     /// The result for every output.
     pub fn document(&self, problem: &Problem, records: &[(usize, Record)]) -> Document {
         let place = &self.problem;
-        let about = self.about(&format!("{}, {}", self.method, problem.count_in_words()));
+        let about = self.about(&format!(
+            "{}, {}",
+            self.method,
+            counted(problem.dimensions() as u64, "variable")
+        ));
         let mut pictures = pictures::of_runs(problem, records);
         for (row, drives) in self.failures.iter().zip(&self.drives) {
             pictures.extend(pictures::of_drives(&row.file, &row.judged.requirement, drives));

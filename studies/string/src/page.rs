@@ -2,11 +2,12 @@
 
 use report::chart::{Axis, Chart, Curve, Plot, Stroke, Tone};
 use report::html::{Tile, figure, grid};
+use report::print::counted;
 use report::results::Document;
 use report::table::NONE;
 
 use super::limits::Limits;
-use super::results::{self, Results, Vehicle, cars_in_words};
+use super::results::{self, Results, Vehicle};
 use super::wave::Driven;
 
 /// Height of the time-space diagram, px.
@@ -20,7 +21,7 @@ pub fn document(results: &Results, driven: &[Driven]) -> Document {
         driven.iter().flat_map(|car| &car.trace).map(|point| point[0]).fold(1.0, f64::max);
     let motion = figure(&time_space(driven, until_s)) + &figure(ribbons(driven, until_s));
     let laws = results.controllers.join(", ");
-    let (count, scenario) = (cars_in_words(results.vehicles.len()), &results.scenario);
+    let (count, scenario) = (counted(results.vehicles.len() as u64, "car"), &results.scenario);
     let whole = results.vehicles.iter().all(Vehicle::reached_the_end);
     let mut document = Document::new("string", &format!("String of {count}: {scenario}"), results)
         .about(format!("{scenario} ({laws}): {count}, {} s", results.duration_s))

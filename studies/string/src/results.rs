@@ -5,7 +5,7 @@ use super::limits::{Limits, Point};
 use super::scene::Plan;
 use super::wave::{Driven, Response, peak};
 use report::figures::{MAX_ABS_JERK_MPS3, MIN_GAP_M};
-use report::print::outcome_word;
+use report::print::{counted, outcome_word};
 use report::results::{Column, Object, Schema, Table, count, flag, judged, number, value, word};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -180,7 +180,7 @@ impl Results {
         let collided = |car: &&Vehicle| car.outcome == Outcome::Collision;
         let collisions = match self.vehicles.iter().filter(collided).count() {
             0 => String::new(),
-            count => format!(", {} collided", cars_in_words(count)),
+            count => format!(", {} collided", counted(count as u64, "car")),
         };
         let head_to_tail = self
             .head_to_tail_gain
@@ -188,10 +188,6 @@ impl Results {
         let broken = if self.meets_requirements() { "" } else { ", a requirement is BROKEN" };
         format!("{stable}{peak}{head_to_tail}{collisions}{broken}")
     }
-}
-
-pub fn cars_in_words(count: usize) -> String {
-    if count == 1 { "1 car".to_owned() } else { format!("{count} cars") }
 }
 
 fn vehicles(cars: &[Driven]) -> Vec<Vehicle> {

@@ -223,7 +223,7 @@ fn document(comparison: &Comparison) -> Document {
         ("second", value(&first.b)),
     ];
     facts.extend(field.clone().map(|field| ("field", field)));
-    let streams = super::count(comparison.diverging_streams as u64, "stream");
+    let streams = print::counted(comparison.diverging_streams as u64, "stream");
     let verdict = format!("different: {streams} of a sender and a topic, the first one at {at}");
     document.facts("First divergence", facts).verdict(false, verdict)
 }

@@ -1,7 +1,7 @@
 //! `timegap recording export`: a recording as tables, its frames as a capture.
 
 use super::sheet::{Capture, Form, Item, Sheet};
-use super::{count, open, print_damage};
+use super::{open, print_damage};
 use clap::{ArgGroup, Args};
 use messages::names::{self, Enumeration};
 use messages::{Element, Place, TOPICS, Topic, Value};
@@ -99,14 +99,14 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     let of_form = |form: Form| {
         let is_its = |path: &Path| path.extension().is_some_and(|end| end == form.extension());
         let rows: Vec<_> = tables.iter().filter(|(path, _)| is_its(path)).map(|of| of.1).collect();
-        let (tables, rows) = (count(rows.len() as u64, "table"), count(rows.iter().sum(), "row"));
+        let (tables, rows) =
+            (print::counted(rows.len() as u64, "table"), print::counted(rows.iter().sum(), "row"));
         format!("{tables} with {rows} in {}", directory(Some(form)).display())
     };
     let mut written: Vec<String> = forms.into_iter().map(of_form).collect();
-    written.extend(
-        (captured.iter())
-            .map(|(path, frames)| format!("{} in {}", count(*frames, "frame"), path.display())),
-    );
+    written.extend((captured.iter()).map(|(path, frames)| {
+        format!("{} in {}", print::counted(*frames, "frame"), path.display())
+    }));
     let facts = written.into_iter().map(|line| ("written", line));
     print::show(arguments.json, &Document::new("export", "Export", &whole).facts("Export", facts))?;
     print_damage(&recording, &damage);

@@ -1,6 +1,6 @@
 //! `timegap recording info`: the contents of a recording.
 
-use super::{count, in_words, lines, open};
+use super::{in_words, lines, open};
 use clap::Args;
 use messages::TOPICS;
 use recorder::{Damage, Recording, Survey};
@@ -92,7 +92,7 @@ fn document(recording: &Recording, survey: &Survey) -> Document {
     let started = if metadata.mode == Mode::Lockstep { "in simulated time".into() } else { at };
     add("recorded", format!("{started} by {}", metadata.program));
     if let Some(host) = &metadata.host {
-        let cpus = count(host.cpus as u64, "cpu");
+        let cpus = print::counted(host.cpus as u64, "cpu");
         add("on", format!("{}, Linux {}, {cpus}", host.name, host.kernel));
     }
     for (service, granted) in &metadata.scheduling {
@@ -105,7 +105,7 @@ fn document(recording: &Recording, survey: &Survey) -> Document {
     }
     for (service, processes) in &tally.incarnations {
         if *processes > 1 {
-            add(service, format!("restarted {}", count(u64::from(processes - 1), "time")));
+            add(service, format!("restarted {}", print::counted(u64::from(processes - 1), "time")));
         }
     }
     let messages = tally.messages();

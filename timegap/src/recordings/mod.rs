@@ -66,10 +66,6 @@ fn lines(damage: &[Damage], line: impl Fn(&Damage) -> String) -> impl Iterator<I
     damage.iter().take(MOST_TOLD).map(line).collect::<Vec<_>>().into_iter().chain(rest)
 }
 
-fn count(n: u64, thing: &str) -> String {
-    if n == 1 { format!("1 {thing}") } else { format!("{n} {thing}s") }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! `timegap recording recover`: repairs a truncated recording.
 
-use super::{count, expect_another_file, is_being_recorded, open};
+use super::{expect_another_file, is_being_recorded, open};
 use clap::Args;
 use recorder::{Recording, Survey};
 use report::print;
@@ -59,7 +59,7 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let verdict = match (whole, tally.lost()) {
         (true, _) => format!("{} is complete: nothing to recover", path.display()),
         (false, lost) => {
-            let messages = count(tally.messages(), "message");
+            let messages = print::counted(tally.messages(), "message");
             format!("recovered {messages} up to {duration_s:.2} s, {lost} lost between them")
         }
     };

@@ -73,7 +73,7 @@ pub fn leftovers(dead: &[DeadRun]) -> Finding {
     let processes: usize = dead.iter().map(|run| run.processes.len()).sum();
     let found = format!(
         "{} ended without cleaning up: {kib} KiB of shared memory, {processes} processes",
-        if dead.len() == 1 { "1 run".to_owned() } else { format!("{} runs", dead.len()) },
+        report::print::counted(dead.len() as u64, "run"),
     );
     let kill = dead.iter().flat_map(|run| &run.processes).map(|pid| format!(" {pid}"));
     let kill: String = kill.collect();

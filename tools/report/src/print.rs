@@ -29,6 +29,11 @@ pub fn note(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
+/// A number of things: "1 run", "2 runs".
+pub fn counted(n: u64, thing: &str) -> String {
+    if n == 1 { format!("1 {thing}") } else { format!("{n} {thing}s") }
+}
+
 pub fn requirement(verdict: &RequirementVerdict) -> String {
     let word = if verdict.met { "met" } else { "BROKEN" };
     match verdict.margin {

@@ -3,6 +3,7 @@
 use rare_events::sobol::{self, Indices};
 use rare_events::{ENOUGH_EVENTS, Estimate, Replica, disagree};
 use report::html::Tile;
+use report::print::counted;
 use report::results::{Column, Document, Format, Table, column, count, number, word};
 use serde::Serialize;
 use serde_json::{Value as Json, json};
@@ -196,7 +197,7 @@ impl Answer {
             "{} ({}): {}, {}",
             problem.name,
             problem.nominal.controller.name.as_str(),
-            problem.count_in_words(),
+            counted(problem.dimensions() as u64, "variable"),
             problem.nominal.require.formulas.join(", ")
         );
         let mut document =

@@ -13,7 +13,7 @@ mod variable;
 pub(crate) use file::{Exposure, Stated};
 pub(crate) use term::FaultChoice;
 pub use term::{Rule, Term, is_whole};
-pub use variable::{Domain, DomainError, Value, Variable, rounded};
+pub use variable::{Domain, Value, Variable, rounded};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -183,14 +183,6 @@ impl Problem {
             }
         };
         self.variables.iter().enumerate().map(kind).collect()
-    }
-
-    /// Number of variables, in words.
-    pub(crate) fn count_in_words(&self) -> String {
-        match self.dimensions() {
-            1 => "1 variable".to_owned(),
-            many => format!("{many} variables"),
-        }
     }
 
     pub fn values(&self, point: &[f64]) -> Vec<Value> {

@@ -1,8 +1,7 @@
 //! Variables: what a search may choose, and the unit interval that stands for it.
 
-use frame::param::{ValuesError, values};
+use frame::param::values;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// A quantity that a search chooses.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,31 +36,23 @@ pub enum Value {
     Word(String),
 }
 
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum DomainError {
-    #[error(transparent)]
-    Values(#[from] ValuesError),
-    #[error("one value leaves nothing to choose")]
-    Single,
-}
-
 impl Domain {
     /// Reads `A..B`, `A..B:log`, or the values of a list as [`frame::param::values`] does.
-    pub fn parse(text: &str) -> Result<Self, DomainError> {
-        let range = |is_log| {
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        let (ends, is_log) = text.strip_suffix(":log").map_or((text, false), |ends| (ends, true));
+        if let Some((from, to)) = ends.split_once("..")
+            && from.trim().parse::<f64>().is_ok()
+            && !to.contains(['/', ':'])
+        {
             // The ends are the range's only values.
-            let ends = values(&format!("{}:2", text.trim()), None)?;
-            let ends = ends.iter().map(|end| end.parse().expect("the end of a range"));
-            let ends: Vec<f64> = ends.collect();
-            Ok(Self::Range { from: ends[0], to: ends[1], is_log })
-        };
-        let all = match values(text, None) {
-            Err(ValuesError::NoStep) => return range(false),
-            Err(ValuesError::Points(scale)) if scale == "log" => return range(true),
-            all => all?,
-        };
+            let ends = values(&format!("{text}:2"), None)?;
+            let end = |place: usize| ends[place].parse().expect("the end of a range");
+            return Ok(Self::Range { from: end(0), to: end(1), is_log });
+        }
+        let all = values(text, None)?;
         if all.len() < 2 {
-            return Err(DomainError::Single);
+            return Err("one value leaves nothing to choose".to_owned());
         }
         let number = |value: &String| value.parse().ok().filter(|number: &f64| number.is_finite());
         Ok(match all.iter().map(number).collect::<Option<Vec<f64>>>() {

@@ -12,7 +12,7 @@
 
 mod comparison;
 
-use super::{count, expect_another_file, open, print_damage};
+use super::{expect_another_file, open, print_damage};
 use clap::Args;
 use comparison::{Comparison, Pairs};
 use controller::laws;
@@ -183,7 +183,7 @@ fn document(c: &Comparison, table: &Path) -> Document {
     } else {
         format!("{} recorded, {} replayed", c.recorded_controller, c.replayed_controller)
     };
-    let mut facts = vec![("replayed".to_owned(), count(c.cycles, "control cycle"))];
+    let mut facts = vec![("replayed".to_owned(), print::counted(c.cycles, "control cycle"))];
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
     for why in &c.cut_short {
         add("CUT SHORT", why.clone());
