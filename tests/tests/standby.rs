@@ -1,6 +1,6 @@
 //! Services with a standby: killed, stopped and continued, at any time.
 
-use messages::{Command, Service};
+use messages::Command;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use runtime::{Group, Observer};
@@ -171,10 +171,9 @@ fn interleave(rounds: u32, seed: u64) {
             listener.listen();
             let ended = run.try_wait().expect("our own child");
             assert!(ended.is_none(), "round {round}: {acts:?}: the run ended");
-            let log = std::fs::read_to_string(group.root.join("members")).unwrap_or_default();
             assert!(
                 begun.elapsed() < PATIENCE,
-                "round {round}: {acts:?}: no command after {before}, processes {:?}\n{log}",
+                "round {round}: {acts:?}: no command after {before}, processes {:?}",
                 controllers(&group)
             );
             std::thread::sleep(Duration::from_millis(1));
@@ -197,28 +196,31 @@ fn interleave(rounds: u32, seed: u64) {
 }
 
 fn signal(pid: i32, signal: Signal) {
-    // It may have ended, and belonged to the run by the members' list.
+    // It may have ended, and belonged to the run by its command line.
     let _ = kill_process(Pid::from_raw(pid).expect("a process id"), signal);
 }
 
-/// Living processes of the controller, by the members' list.
+/// Living processes of the controller in this run, by their command lines, in the order of their restarts.
 fn controllers(group: &Group) -> Vec<i32> {
-    let list = std::fs::read_to_string(group.root.join("members")).unwrap_or_default();
-    let controller = Service::Controller.to_wire().to_string();
-    let of = |line: &str| {
-        let mut words = line.split(' ');
-        let is_one = words.next() == Some(&controller);
-        let pid = words.nth(1)?.parse::<i32>().ok()?;
-        let name = std::fs::read(format!("/proc/{pid}/cmdline")).ok()?;
-        (is_one && name.starts_with(b"timegap-controller")).then_some(pid)
+    let root = group.root.as_os_str().as_encoded_bytes();
+    let of = |entry: std::fs::DirEntry| {
+        let pid = entry.file_name().to_str()?.parse::<i32>().ok()?;
+        let line = std::fs::read(entry.path().join("cmdline")).ok()?;
+        let mut words = line.split(|byte| *byte == 0);
+        let is_one = words.next() == Some(b"timegap-controller") && words.any(|word| word == root);
+        let incarnation = std::str::from_utf8(words.next()?).ok()?.parse::<u32>().ok()?;
+        is_one.then_some((incarnation, pid))
     };
-    list.lines().filter_map(of).collect()
+    let entries = std::fs::read_dir("/proc").expect("it is there on Linux").flatten();
+    let mut found: Vec<_> = entries.filter_map(of).collect();
+    found.sort_unstable();
+    found.into_iter().map(|(_, pid)| pid).collect()
 }
 
 /// A consumer of commands like the plant: it reads what end-to-end check and epoch accept.
 struct Listener {
     observer: Observer,
-    commands: runtime::Observed<Command>,
+    commands: runtime::Subscriber<Command>,
     heard: u64,
     newest: u32,
 }

@@ -29,6 +29,7 @@ pub use serve::run;
 pub use vehicle::{Motion, Request};
 
 use messages::LawInput;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use unit::Unit;
 
@@ -63,6 +64,17 @@ pub fn check_vehicle(path: &Path, words: &[String]) -> Result<bool, UnitError> {
     Ok(Unit::<Request, _>::read(path, words)?.wiring.has("initial_speed_mps"))
 }
 
+/// True if the system can run the file at `path`.
+pub fn is_executable(path: &Path) -> bool {
+    path.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
+}
+
+/// The program `name` in the directories of the PATH.
+pub fn on_path(name: &str) -> Option<PathBuf> {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).map(|place| place.join(name)).find(|file| is_executable(file))
+}
+
 /// The words that start a unit's process, without its own: the program `timegap`, and what it is asked for.
 ///
 /// # Errors
@@ -71,11 +83,7 @@ pub fn host(part: &str) -> Result<Vec<String>, UnitError> {
     let own = std::env::current_exe().ok().filter(|path| {
         path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("timegap"))
     });
-    let on_path = || {
-        let path = std::env::var_os("PATH").unwrap_or_default();
-        std::env::split_paths(&path).map(|place| place.join("timegap")).find(|file| file.is_file())
-    };
-    let program: PathBuf = own.or_else(on_path).ok_or_else(|| {
+    let program: PathBuf = own.or_else(|| on_path("timegap")).ok_or_else(|| {
         UnitError::new("a unit", "the program that runs it is not found", "`timegap` on the PATH")
     })?;
     let program = program.to_string_lossy().into_owned();

@@ -9,7 +9,7 @@ use messages::Header;
 use recorder::{
     Encoder, FILE, FromRecorder, Metadata, Recording, Start, Taps, ToRecorder, orders, say,
 };
-use runtime::{Group, Mode, Tap, log_warnings, monotonic_ns};
+use runtime::{Group, Guest, Mode, log_warnings, monotonic_ns};
 use scenario::Scenario;
 use serde::Deserialize;
 use std::ffi::OsString;
@@ -49,7 +49,7 @@ fn follow_orders(root: &Path, port: u16) -> Result<(), Error> {
     let scenario = group.scenario()?;
     // The start is not known yet; viewers may connect all the same.
     let server = open(port, &metadata(&group, &scenario, monotonic_ns()), Some(root))?;
-    let taps = Tap::join(&group, "bridge").and_then(Taps::open)?;
+    let taps = Guest::join(&group, "bridge").and_then(Taps::open)?;
     let orders = orders().map_err(MachineError::cannot("listen to the launcher"))?;
     loop {
         match orders.recv() {
@@ -123,7 +123,7 @@ fn latest(runs: &Path) -> Result<PathBuf, UsageError> {
 fn join(Live { group, start_monotonic_ns }: &Live, port: u16) -> Result<(), Error> {
     let metadata = metadata(group, &group.scenario()?, *start_monotonic_ns);
     let server = open(port, &metadata, Some(&group.root))?;
-    let taps = Tap::join(group, "guest-bridge").and_then(Taps::open)?;
+    let taps = Guest::join(group, "guest-bridge").and_then(Taps::open)?;
     follow(group, &taps, &metadata, server, |wait| {
         std::thread::sleep(wait);
         is_signalled() || !is_alive(&group.root)

@@ -104,7 +104,7 @@ impl<'a> Launcher<'a> {
     pub fn start(graph: &'a Graph, stage: &'a Stage) -> Result<Self, Error> {
         let group = Group::read(stage.root().path())?;
         graph.write(stage.root().path())?;
-        let guest = Guest::join(group.clone(), "graph")?;
+        let guest = Guest::join(&group, "graph")?;
         let policy = Supervision::default();
         let timeout_ns = policy.heartbeat_timeout_ms.nanoseconds().cast_signed();
         let mut members = Vec::new();

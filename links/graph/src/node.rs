@@ -82,7 +82,7 @@ pub fn run(root: &Path, node: &str, incarnation: &str) -> Result<ExitCode, Error
 }
 
 fn live(graph: &Graph, node: usize, incarnation: u32, group: &Group) -> Result<ExitCode, Error> {
-    let guest = Guest::join(group.clone(), graph.nodes[node].name.as_str())?;
+    let guest = Guest::join(group, graph.nodes[node].name.as_str())?;
     let (mut this, granted) = Process::open(graph, node, incarnation, group, &guest)?;
     this.link.send(FromService::Ready(granted))?;
     let order = match this.link.wait_for_start() {
@@ -132,7 +132,7 @@ impl<'a> Process<'a> {
             hops.push(Hop { chain, input, trail: Vec::new(), reactions });
         }
         let mut counts = NodeCounts::open(node, group)?;
-        counts.own.begin_account(incarnation)?;
+        counts.own.begin(incarnation);
         let (page, link) = (Page::map(group)?, Link::open()?);
         let granted = apply(&request(graph, of));
         let work = Work::of(of, granted.granted == granted.requested)?;

@@ -252,7 +252,7 @@ impl Graph {
             let (words, here) = (shlex::split(command), std::env::current_dir());
             let found = runtime::executable(&words.unwrap_or_default(), &here.unwrap_or_default());
             found.map_err(|error| {
-                Problem::new(format!("{path}.program"), error.message(), error.expected())
+                Problem::new(format!("{path}.program"), error.message, error.expected)
             })?;
         }
         for (key, topics) in

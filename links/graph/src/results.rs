@@ -216,7 +216,7 @@ pub fn document(
     }
     let granted =
         members.iter().filter_map(|member| member.granted.as_ref()).chain([&floor.granted]);
-    let refused = granted.flat_map(|granted| &granted.refused).map(ToString::to_string);
+    let refused = granted.flat_map(|granted| &granted.refused).cloned();
     let late: Vec<&ChainRow> = chains.iter().filter(|chain| !chain.holds()).collect();
     let held = chains.len() - late.len();
     let why = broken.iter().cloned().chain(late.into_iter().map(ChainRow::broken));

@@ -1,7 +1,7 @@
 //! Messages on their way from the topics to a file or a viewer.
 
 use messages::{Message, Topic};
-use runtime::{RuntimeError, Tap, Tapped};
+use runtime::{Guest, RuntimeError, Tapped};
 
 /// Most messages that are taken from one topic before the next one's turn.
 const TURN: usize = 1024;
@@ -44,7 +44,7 @@ impl Batch {
 pub struct Taps {
     topics: Vec<Box<dyn Drain>>,
     // Ports before the node that owns them.
-    _tap: Tap,
+    _guest: Guest,
 }
 
 trait Drain {
@@ -67,12 +67,12 @@ impl Taps {
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub fn open(tap: Tap) -> Result<Self, RuntimeError> {
+    pub fn open(guest: Guest) -> Result<Self, RuntimeError> {
         macro_rules! every {
-            ($($message:ty),+) => { vec![$(Box::new(tap.on::<$message>()?) as Box<dyn Drain>),+] };
+            ($($message:ty),+) => { vec![$(Box::new(guest.tap::<$message>()?) as Box<dyn Drain>),+] };
         }
         let topics = messages::each_message!(every);
-        Ok(Self { topics, _tap: tap })
+        Ok(Self { topics, _guest: guest })
     }
 
     /// Takes what is there.

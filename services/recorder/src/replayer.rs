@@ -8,7 +8,7 @@ use messages::{
     Course, Curves, Diagnostics, LateralMotion, Map, Message, Odometry, Origin, Powertrain,
     Preview, RadarTracks, Spat,
 };
-use runtime::{Group, Player, RuntimeError, Tap, Tapped, log_warnings};
+use runtime::{Group, Guest, RuntimeError, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::io;
@@ -77,9 +77,9 @@ fn refuse() -> ExitCode {
 fn play(root: &Path, file: &Path, take: &Take) -> Result<(), PlayError> {
     let group = Group::read(root)?;
     let recording = Recording::open(file)?;
-    let ports = Player::join(&group, "replayer").and_then(Ports::open)?;
-    let tap = Tap::join(&group, "replayer-tap")?;
-    let answers = tap.on::<Diagnostics>()?;
+    let guest = Guest::join(&group, "replayer")?;
+    let ports = Ports::open(&guest)?;
+    let answers = guest.tap::<Diagnostics>()?;
     let input = orders()?;
     say(&FromReplayer::Ready);
     if input.recv().is_err() {
@@ -95,7 +95,7 @@ fn play(root: &Path, file: &Path, take: &Take) -> Result<(), PlayError> {
             }
         }
         let used = inputs(&cycle.diagnostics.header.origins).into_iter().zip(&mut last);
-        for ((port, sample), (origin, last)) in ports.all.iter().zip(&cycle.samples).zip(used) {
+        for ((port, sample), (origin, last)) in ports.0.iter().zip(&cycle.samples).zip(used) {
             if let Some(sample) = sample
                 && origin != *last
             {
@@ -127,29 +127,24 @@ fn taken(answers: &Tapped<Diagnostics>) -> Result<usize, PlayError> {
 type Port = Box<dyn Fn(&[u8]) -> Result<(), RuntimeError>>;
 
 /// The sending ends of the controller's inputs, in the order of [`INPUTS`].
-struct Ports {
-    all: [Port; INPUTS.len()],
-    // Ports before the node that owns them.
-    _player: Player,
-}
+struct Ports([Port; INPUTS.len()]);
 
 impl Ports {
-    fn open(player: Player) -> Result<Self, RuntimeError> {
-        fn port<T: Message>(player: &Player) -> Result<Port, RuntimeError> {
-            let port = player.on::<T>()?;
+    fn open(guest: &Guest) -> Result<Self, RuntimeError> {
+        fn port<T: Message>(guest: &Guest) -> Result<Port, RuntimeError> {
+            let port = guest.player::<T>()?;
             Ok(Box::new(move |message| port.send(message)))
         }
-        let all = [
-            port::<RadarTracks>(&player)?,
-            port::<Odometry>(&player)?,
-            port::<Spat>(&player)?,
-            port::<Map>(&player)?,
-            port::<Powertrain>(&player)?,
-            port::<Preview>(&player)?,
-            port::<Course>(&player)?,
-            port::<Curves>(&player)?,
-            port::<LateralMotion>(&player)?,
-        ];
-        Ok(Self { all, _player: player })
+        Ok(Self([
+            port::<RadarTracks>(guest)?,
+            port::<Odometry>(guest)?,
+            port::<Spat>(guest)?,
+            port::<Map>(guest)?,
+            port::<Powertrain>(guest)?,
+            port::<Preview>(guest)?,
+            port::<Course>(guest)?,
+            port::<Curves>(guest)?,
+            port::<LateralMotion>(guest)?,
+        ]))
     }
 }

@@ -10,7 +10,7 @@ use crate::counter::Counter;
 use crate::link::{FromRecorder, Report, Start, ToRecorder, orders, say};
 use crate::sequencer::{Placed, Sequencer};
 use crate::{Metadata, Recording, Tally, TopicTally, Writer};
-use runtime::{Group, Mode, RuntimeError, Tap, log_warnings, monotonic_ns};
+use runtime::{Group, Guest, Mode, RuntimeError, log_warnings, monotonic_ns};
 use std::ffi::OsString;
 use std::fs::File;
 use std::io;
@@ -68,7 +68,7 @@ enum RecordError {
 fn record(root: &Path, path: &Path) -> Result<Report, RecordError> {
     let group = Group::read(root)?;
     let scenario = group.scenario()?;
-    let taps = Tap::join(&group, "recorder").and_then(Taps::open)?;
+    let taps = Guest::join(&group, "recorder").and_then(Taps::open)?;
     bag::remove_beside(path);
     let file =
         File::create(path).map_err(|reason| RecordError::File { path: path.to_owned(), reason })?;

@@ -130,7 +130,6 @@ layout! {
     }
 }
 
-/// The two records.
 pub const LAW_RECORDS: [&crate::Layout; 2] =
     [<LawInput as crate::Laid>::LAYOUT, <LawAnswer as crate::Laid>::LAYOUT];
 

@@ -17,7 +17,6 @@
 
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
-/// A scalar of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
     /// A byte; an array of bytes is one value.
@@ -46,9 +45,7 @@ impl Scalar {
 /// The type of one element of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Element {
-    /// A scalar.
     Scalar(Scalar),
-    /// Another struct.
     Struct(&'static Layout),
 }
 
@@ -65,7 +62,6 @@ impl Element {
         }
     }
 
-    /// Size, bytes.
     pub const fn bytes(self) -> usize {
         match self {
             Self::Scalar(scalar) => scalar.bytes(),
@@ -77,20 +73,17 @@ impl Element {
 /// The type of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
-    /// Type of the element or elements.
     pub element: Element,
     /// Elements of an array; `None` for a single one.
     pub len: Option<usize>,
 }
 
-/// One field of a struct.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field {
     /// Name, with its unit.
     pub name: &'static str,
     /// Distance from the start of the struct, bytes.
     pub offset: usize,
-    /// Type.
     pub shape: Shape,
     /// Lines of the doc comment in the declaration.
     pub comment: &'static [&'static str],
@@ -106,28 +99,23 @@ impl Field {
 /// Largest message that its readers copy, and of which every byte is protected, bytes.
 pub const SMALL_BYTES: usize = 4 << 10;
 
-/// A struct of the messages.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Name without its package.
     pub name: &'static str,
     /// Name on the topics and in recordings, `timegap_msgs/msg/Name`.
     pub type_name: &'static str,
-    /// Size, bytes.
     pub bytes: usize,
-    /// Fields in order.
     pub fields: &'static [Field],
 }
 
 /// A struct whose layout is known as data.
 pub trait Laid: ZeroCopySend {
-    /// The layout.
     const LAYOUT: &'static Layout;
 }
 
 /// A type that a field can have.
 pub trait FieldType {
-    /// Its shape.
     const SHAPE: Shape;
 }
 

@@ -44,7 +44,6 @@ numbered! {
         Silent = 5 "silent",
         /// The plant follows the rest of the last plan.
         PlanFollowed = 6 "plan-followed",
-        /// The plant stops in lane.
         StopInLane = 7 "stop-in-lane",
         /// The emergency brake acts.
         Emergency = 8 "emergency",
@@ -69,9 +68,7 @@ const MAX_CHANGES: usize = 1024;
 pub struct LevelChange {
     /// Run time, s.
     pub t_s: f64,
-    /// Level left.
     pub from: Level,
-    /// Level entered.
     pub to: Level,
 }
 
@@ -87,7 +84,6 @@ pub struct Levels {
 /// Follows a service on its ladder; allocates nothing once made.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LevelLog {
-    /// The level.
     pub now: Level,
     last_s: f64,
     time_s: [f64; Level::ALL.len()],
@@ -123,7 +119,6 @@ impl LevelLog {
         }
     }
 
-    /// The account.
     pub fn report(&self) -> Levels {
         let entered = Level::ALL.iter().filter(|&&level| self.time_s[level as usize] > 0.0);
         Levels {

@@ -15,7 +15,6 @@ pub struct Enumeration {
 }
 
 impl Enumeration {
-    /// The name of a number.
     pub fn value(&self, number: u64) -> Option<&'static str> {
         let mut values = self.values.iter();
         values.find(|(known, _)| u64::from(*known) == number).map(|(_, name)| *name)

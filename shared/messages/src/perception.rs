@@ -95,7 +95,6 @@ impl Sight {
 listed! { RadarTracks.listed: tracks, Track }
 
 impl RadarTracks {
-    /// Sight of the radar.
     pub fn sight(&self) -> Sight {
         Sight::of_share(self.seen_share)
     }

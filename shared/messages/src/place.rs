@@ -18,13 +18,10 @@ pub struct Place {
     pub path: String,
     /// Struct that declares the field.
     pub layout: &'static str,
-    /// The field.
     pub field: &'static str,
     /// Distance from the start of the message, bytes.
     pub offset: usize,
-    /// Its size, bytes.
     pub bytes: usize,
-    /// Type.
     pub scalar: Scalar,
 }
 
@@ -33,9 +30,7 @@ pub struct Place {
 pub enum Value<'a> {
     /// Bytes, printed as one hexadecimal number.
     Bytes(&'a [u8]),
-    /// Unsigned.
     Unsigned(u64),
-    /// Signed.
     Signed(i64),
     /// Floating point.
     Float(f64),

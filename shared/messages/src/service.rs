@@ -30,7 +30,6 @@ pub enum Pace {
 pub enum Presence {
     /// In every group.
     Always,
-    /// In groups with an emergency brake.
     EmergencyBrake,
     /// In groups whose signals come as frames.
     Frames,

@@ -27,7 +27,6 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
     /// Topic that carries the type.
     const TOPIC: Topic;
 
-    /// The common header.
     fn header(&self) -> &Header;
 
     /// The common header, to be stamped.
@@ -175,17 +174,14 @@ impl Topic {
         self.row().name
     }
 
-    /// Size of its message, bytes.
     pub const fn message_bytes(self) -> usize {
         self.layout().bytes
     }
 
-    /// Layout of its message.
     pub const fn layout(self) -> &'static Layout {
         self.row().layout
     }
 
-    /// Topic of that name.
     pub fn by_name(name: &str) -> Option<Self> {
         TOPICS.into_iter().find(|topic| topic.name() == name)
     }

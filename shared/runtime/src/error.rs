@@ -78,24 +78,9 @@ pub enum TransportError {
     /// A call of the system, for this.
     #[error("{0}: {1}")]
     System(&'static str, #[source] io::Error),
-    /// The run's root is not a path for iceoryx2.
-    #[error("the path is not UTF-8")]
-    Path,
-    /// The ids of iceoryx2's ports do not name their process.
-    #[error("iceoryx2 does not name the process in its port ids as expected")]
-    PortId,
-    /// All members wait, one of them for room.
-    #[error("a receiver does not read")]
-    NotRead,
-    /// There is no room, and the sender must not wait.
-    #[error("a receiver's queue is full")]
-    Full,
-    /// The message was loaned from another carrier.
-    #[error("a message of another carrier")]
-    OtherCarrier,
-    /// Bytes are played that no message of the topic has.
-    #[error("{0} bytes are not such a message")]
-    Length(usize),
+    /// The carrier cannot do it, for this reason.
+    #[error("{0}")]
+    Refused(&'static str),
 }
 
 impl TransportError {

@@ -26,13 +26,10 @@
 //! It is also allowed in `transport` (`pooled`, and where loaned bytes become a message). `counts` and `checkpoint` say
 //! that a struct in shared memory has atomic numbers alone.
 
-#![warn(missing_docs)]
-
 pub mod chain;
 mod counts;
 mod error;
 mod faults;
-mod guest;
 pub mod hosted;
 mod in_process;
 mod life;
@@ -46,13 +43,12 @@ mod transport;
 mod words;
 
 pub use counts::ServiceCounts;
-pub use counts::account::{LastAccount, Progress};
-pub use counts::figures::{Count, Figures, RELEASE_JITTER};
+pub use counts::account::LastAccount;
+pub use counts::figures::{Count, Figures, Progress, RELEASE_JITTER};
 pub use counts::statistics;
 pub use counts::statistics::histogram_log;
 pub use error::{RuntimeError, TransportError};
 pub use faults::{FaultStatistics, Injected, concerned};
-pub use guest::Guest;
 pub use in_process::{Entry, InProcess};
 pub use life::group::Group;
 pub use life::link::{FromService, Link, PEER_JOINED, StartOrder, ToService};
@@ -62,8 +58,9 @@ pub use machine::program::{Program, ProgramError, command_line, executable};
 pub use machine::scheduling;
 pub use machine::spawn::{OwnNetwork, die_with_this_thread, inherit_only};
 pub use machine::usage::Usage;
+pub use ports::guest::{Guest, Observer, Played, Tapped};
 pub use ports::members::{enroll, enroll_listener};
-pub use ports::{Observed, Observer, Played, Player, Publisher, Subscriber, Tap, Tapped};
+pub use ports::{Publisher, Subscriber};
 pub use releases::clock::{Clock, Mode, monotonic_ns, sleep_until};
 pub use releases::cycles::{Overrun, Release};
 pub use releases::schedule::{Schedule, ScheduledRelease};
@@ -72,6 +69,6 @@ pub use session::{Cycle, Runtime, count_allocations_by};
 pub use survival::checkpoint::Checkpoint;
 pub use survival::fence as epoch;
 pub use survival::standby::{ActiveProcess, Cause, CycleWatch, TakeOver};
-pub use transport::waking::{Ticket, Waiter, Waker, wait_word, wake_word};
-pub use transport::{Carrier, Ipc, Loan, Sealing, Turns, domain, shared_memory_bytes};
+pub use transport::waking::{Waker, wait_word, wake_word};
+pub use transport::{Carrier, Ipc, Loan, Sealing, Turns, shared_memory_bytes};
 pub use words::{Atomics, Shared, SharedWords};

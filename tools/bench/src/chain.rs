@@ -67,8 +67,7 @@ pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
     let granted = summary.services.iter().filter_map(|service| service.scheduling.as_ref());
     let as_asked = granted.clone().all(|granted| granted.granted == granted.requested)
         && floor.granted.granted == floor.granted.requested;
-    let refused =
-        granted.chain([&floor.granted]).flat_map(|g| &g.refused).map(ToString::to_string).collect();
+    let refused = granted.chain([&floor.granted]).flat_map(|g| &g.refused).cloned().collect();
     let (timing, histograms) = match as_asked {
         true => (summary.timing, summary::histograms(&outcome)),
         false => Default::default(),

@@ -244,7 +244,7 @@ impl Bench<'_> {
     /// The percentiles of an outcome, if the cell's conditions were granted.
     fn figure(&mut self, cell: &Cell, name: &str, outcome: &Outcome) -> Option<Percentiles> {
         let granted = &outcome.granted;
-        self.report.refused.extend(granted.refused.iter().map(ToString::to_string));
+        self.report.refused.extend(granted.refused.iter().cloned());
         if granted.granted != granted.requested {
             return None;
         }

@@ -9,7 +9,7 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use messages::e2e::profile7;
 use messages::{Service as Member, Topic};
-use runtime::{Guest, Ipc, Waiter, Waker, monotonic_ns};
+use runtime::{Guest, Ipc, Waker, monotonic_ns};
 use std::time::Duration;
 use supervise::MachineError;
 
@@ -159,7 +159,7 @@ impl PayloadSender {
 #[derive(Debug)]
 pub struct PayloadReceiver {
     port: BytesReceiver,
-    waiter: Waiter,
+    waiter: Waker,
     is_protected: bool,
 }
 
@@ -167,7 +167,7 @@ impl PayloadReceiver {
     pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, MachineError> {
         let (name, peers) = own(bytes);
         let port = BytesReceiver::open(guest, &name, peers)?;
-        Ok(Self { port, waiter: guest.waiter(PAYLOAD_TOPIC), is_protected })
+        Ok(Self { port, waiter: guest.waker(PAYLOAD_TOPIC), is_protected })
     }
 
     /// Waits for payloads, at most for `timeout`. Hands the stamp of each one to `each`, after its check if it is

@@ -76,9 +76,10 @@ impl<'a> Source<'a> {
         root: &Path,
         page: &'a SharedWords,
     ) -> Result<Self, Error> {
-        let guest = Guest::join(Group::read(root)?, "bench-source")?;
+        let group = Group::read(root)?;
+        let guest = Guest::join(&group, "bench-source")?;
         // A reader accepts messages of group members only.
-        enroll(root, Service::PerceptionSim, 0, std::process::id())?;
+        enroll(&group.prefix, Service::PerceptionSim, 0, std::process::id())?;
         let ways = mechanisms.iter().map(|mechanism| SourceWay::open(*mechanism, &guest));
         let ways = ways.collect::<Result<_, _>>()?;
         Ok(Self { page, sent: 0, ways, _guest: guest })
@@ -176,7 +177,7 @@ impl<'a> Sink<'a> {
         root: &Path,
         page: &'a SharedWords,
     ) -> Result<Self, Error> {
-        let guest = Guest::join(Group::read(root)?, "bench-sink")?;
+        let guest = Guest::join(&Group::read(root)?, "bench-sink")?;
         let ways = mechanisms.iter().map(|mechanism| SinkWay::open(*mechanism, &guest));
         let ways = ways.collect::<Result<_, _>>()?;
         Ok(Self { page, seen: 0, ways, guest })

@@ -1,7 +1,7 @@
 //! The kernel's grants to a loop: policy, throttling, locked memory, timer slack.
 
 use super::finding::Finding;
-use runtime::scheduling::{Asked, Granted};
+use runtime::scheduling::{Granted, LOCKED_MEMORY, TIMER_SLACK};
 use std::path::Path;
 
 /// The command that grants the needed capabilities to the program at `program` without root. A new build is a
@@ -11,20 +11,13 @@ fn capabilities(program: &Path) -> String {
     format!("sudo setcap cap_sys_nice,cap_ipc_lock=ep {program} (again after each build)")
 }
 
-/// The reason why a request of a thread was refused.
-fn refusal(granted: &Granted, is_meant: impl Fn(Asked) -> bool) -> Option<&str> {
-    let refused = granted.refused.iter().find(|refused| is_meant(refused.what))?;
-    Some(&refused.why)
-}
-
 /// True if a thread of `program` gets the requested `SCHED_FIFO`.
 pub fn policy(granted: &Granted, root: bool, program: &Path) -> Finding {
     const CHECK: &str = "real-time priority";
     if granted.granted == granted.requested {
         return Finding::ok(CHECK, format!("{} is granted", granted.granted));
     }
-    let reason =
-        refusal(granted, |what| matches!(what, Asked::Fifo(_))).unwrap_or("no reason given");
+    let reason = granted.refusal(&granted.requested).unwrap_or("no reason given");
     Finding::bad(
         CHECK,
         format!("{} is refused ({reason}); the policy is {}", granted.requested, granted.granted),
@@ -77,7 +70,7 @@ pub fn locked_memory(granted: &Granted, limits: &str, program: &Path) -> Finding
     if granted.memory_locked {
         return Finding::ok(CHECK, "granted");
     }
-    let reason = refusal(granted, |what| what == Asked::LockedMemory).unwrap_or("no reason given");
+    let reason = granted.refusal(LOCKED_MEMORY).unwrap_or("no reason given");
     let limit = limit(limits, "Max locked memory").unwrap_or("unknown");
     Finding::bad(
         CHECK,
@@ -90,7 +83,7 @@ pub fn locked_memory(granted: &Granted, limits: &str, program: &Path) -> Finding
 /// True if a sleep can be exact without real-time priority.
 pub fn timer_slack(granted: &Granted) -> Finding {
     const CHECK: &str = "timer slack";
-    match refusal(granted, |what| what == Asked::TimerSlack) {
+    match granted.refusal(TIMER_SLACK) {
         None => Finding::ok(CHECK, "1 ns is granted"),
         Some(reason) => Finding::warn(
             CHECK,
@@ -111,7 +104,6 @@ fn limit<'a>(limits: &'a str, name: &str) -> Option<&'a str> {
 mod tests {
     use super::super::finding::Verdict;
     use super::*;
-    use runtime::scheduling::NotGranted;
 
     const LIMITS: &str = "Limit                     Soft Limit           Hard Limit           Units
 Max stack size            8388608              unlimited            bytes
@@ -119,21 +111,20 @@ Max locked memory         65536                65536                bytes
 Max realtime priority     0                    0
 ";
 
-    const NO_FIFO: (Asked, &str) = (Asked::Fifo(80), "Operation not permitted");
+    const NO_FIFO: &str = "fifo:80: Operation not permitted";
+    const NO_LOCK: &str = "locked memory: Cannot allocate memory";
 
     fn path() -> &'static Path {
         Path::new("/my builds/timegap")
     }
 
-    fn granted(policy: &str, refused: &[(Asked, &str)]) -> Granted {
-        let refused = refused.iter().map(|&(what, why)| NotGranted { what, why: why.into() });
-        let refused: Vec<_> = refused.collect();
+    fn granted(policy: &str, refused: &[&str]) -> Granted {
         Granted {
             requested: "fifo:80".into(),
             granted: policy.into(),
             core: None,
-            memory_locked: refused.iter().all(|refused| refused.what != Asked::LockedMemory),
-            refused,
+            memory_locked: !refused.contains(&NO_LOCK),
+            refused: refused.iter().map(ToString::to_string).collect(),
         }
     }
 
@@ -147,8 +138,7 @@ Max realtime priority     0                    0
 
     #[test]
     fn an_ordinary_user_sees_which_capabilities_help() {
-        let refused = [(Asked::LockedMemory, "Cannot allocate memory"), NO_FIFO];
-        let none = granted("other", &refused);
+        let none = granted("other", &[NO_LOCK, NO_FIFO]);
         let found = policy(&none, false, path());
         assert_eq!(found.verdict, Verdict::Bad);
         assert!(found.found.contains("Operation not permitted"), "{found:?}");

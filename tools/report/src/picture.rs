@@ -4,14 +4,14 @@ use crate::lateral::LateralSeries;
 use crate::plane::PlaneView;
 use crate::print;
 use controller::laws;
-use messages::AllVehicles;
 use messages::level::{Level, Levels};
+use messages::{AllVehicles, Service};
 use runtime::statistics::QuantileCurve;
 use scenario::Scenario;
 use scenario::grade::GradeProfile;
 use scenario::v2x::Phase;
 use std::collections::BTreeMap;
-use supervise::report::{Details, WorstChain};
+use supervise::report::{ControllerReport, Payload, PlantReport, WorstChain};
 use supervise::{Drive, DriveStep, FaultRecord, GroupOutcome, RequirementVerdict};
 use v2x_sim::program::Program;
 
@@ -148,25 +148,18 @@ impl RunPicture {
         };
         run.faults = group.faults.iter().map(mark).collect();
         run.faults.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
-        for report in group.reports.values() {
-            let name = report.service.name();
-            match &report.details {
-                Details::Plant(plant) => {
-                    let whole = plant.histograms.iter();
-                    let whole = whole.map(|(name, h)| (name.clone(), h.quantile_curve()));
-                    run.latencies = whole.collect();
-                    run.worst_chains.clone_from(&plant.worst_chains);
-                    run.rungs.insert(name, phases_of(&plant.rungs, run.duration_s));
-                }
-                Details::Controller(controller) => {
-                    run.rungs.insert(name, phases_of(&controller.rungs, run.duration_s));
-                }
-                Details::Aebs(_)
-                | Details::Perception(_)
-                | Details::Obu(_)
-                | Details::Link(_)
-                | Details::None => {}
-            }
+        let details = |service| group.reports.get(&service).map(|report| &report.details);
+        if let Some(plant) = details(Service::Plant).and_then(Payload::read::<PlantReport>) {
+            let curves =
+                plant.histograms.iter().map(|(name, h)| (name.clone(), h.quantile_curve()));
+            run.latencies = curves.collect();
+            run.worst_chains = plant.worst_chains;
+            run.rungs.insert(Service::Plant.name(), phases_of(&plant.rungs, run.duration_s));
+        }
+        let controller = details(Service::Controller);
+        if let Some(controller) = controller.and_then(Payload::read::<ControllerReport>) {
+            let phases = phases_of(&controller.rungs, run.duration_s);
+            run.rungs.insert(Service::Controller.name(), phases);
         }
         run
     }

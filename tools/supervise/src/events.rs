@@ -14,8 +14,9 @@ use signal_hook::iterator::Handle;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{ChildStderr, ChildStdout};
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
 /// Longest line of a service, bytes: a report with all its histograms has a few hundred KiB.
 const LONGEST_LINE: u64 = 16 << 20;
@@ -23,6 +24,8 @@ const LONGEST_LINE: u64 = 16 << 20;
 const CHATTER: u64 = 256 << 10;
 /// Lines of such text that are handed on.
 const KEPT_LINES: usize = 50;
+/// Longest time for which the end of a process waits for the end of its standard error.
+const LAST_WORDS: Duration = Duration::from_millis(100);
 /// Characters of such a line that are handed on.
 const KEPT_CHARACTERS: usize = 400;
 
@@ -60,29 +63,34 @@ pub enum Event {
 }
 
 /// Follows a service's output until its streams end. Then it does `on_end`, in a thread that waits for nothing else.
-/// Returns where that thread leaves its id, by which it can be raised.
+/// Returns where the threads of both streams leave their ids, by which they can be raised.
 pub fn follow(
     who: ServiceProcess,
     on_end: impl FnOnce() + Send + 'static,
     out: ChildStdout,
     err: ChildStderr,
     events: Sender<Event>,
-) -> std::io::Result<Arc<AtomicI32>> {
-    let said = events.clone();
+) -> std::io::Result<Arc<[AtomicI32; 2]>> {
+    let (said, errors) = (events.clone(), events.clone());
     let service = who.service;
-    let thread = Arc::new(AtomicI32::new(0));
-    let own = Arc::clone(&thread);
+    let threads: Arc<[AtomicI32; 2]> = Arc::default();
+    let (of_out, of_err) = (Arc::clone(&threads), Arc::clone(&threads));
+    let (lives, ends) = channel::<()>();
+    std::thread::Builder::new().name(format!("{service}-err")).spawn(move || {
+        let _lives = lives;
+        of_err[1].store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
+        follow_stream(who, err, &errors);
+    })?;
     std::thread::Builder::new().name(format!("{service}-out")).spawn(move || {
-        own.store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
+        of_out[0].store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
         follow_stream(who, out, &said);
         // The end of the output is the end of the process: it alone holds the pipe.
         on_end();
+        // Its last words come before its end, unless another process holds the stream.
+        let _ = ends.recv_timeout(LAST_WORDS);
         let _ = said.send(Event::Gone(who));
     })?;
-    std::thread::Builder::new()
-        .name(format!("{service}-err"))
-        .spawn(move || follow_stream(who, err, &events))?;
-    Ok(thread)
+    Ok(threads)
 }
 
 /// Hands on messages and text until the stream ends or its reader does not listen any more.
@@ -187,7 +195,6 @@ fn is_ignored(status: &str, signal: i32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::mpsc::channel;
 
     fn events(stream: impl Read) -> Vec<Event> {
         let (sender, receiver) = channel();
@@ -195,6 +202,27 @@ mod tests {
         follow_stream(who, stream, &sender);
         drop(sender);
         receiver.into_iter().collect()
+    }
+
+    #[test]
+    fn the_last_words_of_a_process_come_before_its_end() {
+        let who = ServiceProcess { service: Service::Controller, incarnation: 0 };
+        for _ in 0..20 {
+            let mut command = std::process::Command::new("sh");
+            command.args(["-c", "exec 1>&-; echo last words >&2"]);
+            command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+            let mut child = command.spawn().expect("`sh` is everywhere");
+            let (out, err) = (child.stdout.take(), child.stderr.take());
+            let (sender, receiver) = channel();
+            let (out, err) = (out.expect("piped"), err.expect("piped"));
+            follow(who, || {}, out, err, sender).expect("threads");
+            let events: Vec<Event> = receiver.into_iter().collect();
+            let [Event::Output(_, said), Event::Gone(_)] = &events[..] else {
+                panic!("{events:?}");
+            };
+            assert_eq!(said, "last words");
+            child.wait().expect("ours");
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::start::processes::for_services;
 use crate::start::{is_foreign, programs};
 use controller::laws::external::Questions;
 use drive::log::DriveLog;
-use drive::report::{ServiceReport, read};
+use drive::report::ServiceReport;
 use drive::{Ended, Exit, GroupOutcome, Moment};
 use messages::Service;
 use runtime::{Carrier, Entry, FromService, InProcess, Program, Sealing};
@@ -267,7 +267,7 @@ impl Course {
         match said {
             FromService::Ready(_) | FromService::TookOver(_) => {}
             FromService::Report(report) => {
-                self.reports.insert(service, read(*report));
+                self.reports.insert(service, *report);
             }
             FromService::Ended(step) => self.stop_after = Some(step),
             FromService::Failed(how) => {

@@ -11,7 +11,7 @@ use drive::Exit;
 use messages::{Command, Diagnostics, Service};
 use recorder::{FromReplayer, Recording, Take, ToReplayer};
 use runtime::{
-    FromService, Group, Mode, Schedule, StartOrder, Tap, Tapped, Timetable, ToService,
+    FromService, Group, Guest, Mode, Schedule, StartOrder, Tapped, Timetable, ToService,
     enroll_listener, monotonic_ns, shared_memory_bytes,
 };
 use scenario::Scenario;
@@ -70,7 +70,7 @@ pub fn replay(
     };
     let result = group
         .write()
-        .and_then(|()| enroll_listener(root.path(), std::process::id()))
+        .and_then(|()| enroll_listener(root.prefix(), std::process::id()))
         .and_then(|()| {
             let releases = recording.cycles(take).map(|cycle| cycle.release());
             Schedule::write(root.path(), Service::Controller, releases)
@@ -130,9 +130,9 @@ impl Cast {
         events: &Receiver<Event>,
         heard: &mut dyn FnMut(Replayed<'_>),
     ) -> Result<(), Error> {
-        let tap = Tap::join(group, "launcher")?;
-        let mut listener =
-            Listener { commands: tap.on()?, diagnostics: tap.on()?, cycles: 0, heard };
+        let guest = Guest::join(group, "launcher")?;
+        let (commands, diagnostics) = (guest.tap()?, guest.tap()?);
+        let mut listener = Listener { commands, diagnostics, cycles: 0, heard };
         self.wait_until_ready(events)?;
         // A receiver that has not looked is not connected.
         listener.listen()?;

@@ -1,27 +1,28 @@
 //! End-to-end protection of every message, in the terms of the AUTOSAR E2E protocol (R22-11).
 //!
 //! ```text
-//! bytes ─► profile7::check ─► Check ─────────► StateMachine ─► used, or not
-//!          CRC, length, ID    counter           last six
-//!                └──────────────┴── Outcomes ──────┘ counts
+//! bytes ─► profile7::check ─► counter ─────────► StateMachine ─► used, or not
+//!          CRC, length, ID    of the one before  last six
+//!                └──────────────┴── Outcomes ─────┘ counts
 //! ```
 //!
-//! [`profile7`] protects the bytes of one message and checks them. [`Check`] compares its counter with the counter
-//! before it. [`StateMachine`] judges the channel over its last messages. A [`Channel`] does all of this for one sender
-//! on one topic. A consumer uses a message only if its channel accepts it.
+//! [`profile7`] protects the bytes of one message and checks them. A [`Channel`] judges the messages of one sender on
+//! one topic: by their bytes, by their counter, and by its state over the last messages. A consumer uses a message only
+//! if its channel accepts it.
 //!
 //! In a message of this size the CRC-64 detects every corruption of up to 3 bits. It detects every burst of
 //! up to 64 bits. It misses one in 2⁶⁴ of all others.
 
-mod check;
 pub mod profile7;
 mod state_machine;
 
-pub use check::{Check, Status};
-pub use state_machine::{State, StateMachine};
-
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
+use state_machine::{State, StateMachine, Status};
+
+/// Largest step of the counter after which a message is used. A consumer that missed more joins again through its
+/// state machine.
+const MAX_DELTA_COUNTER: u32 = 64;
 
 /// Counts of each outcome on a topic.
 #[repr(C)]
@@ -76,7 +77,8 @@ impl Outcomes {
 /// One sender on one topic, judged by one consumer.
 #[derive(Clone, Debug, Default)]
 pub struct Channel {
-    check: Check,
+    /// Counter of the last intact message.
+    last: Option<u32>,
     machine: StateMachine,
     incarnation: u32,
 }
@@ -91,31 +93,12 @@ impl Channel {
         incarnation: u32,
         outcomes: &mut Outcomes,
     ) -> bool {
-        self.judge(profile7::check(bytes, data_id), incarnation, outcomes)
-    }
-
-    /// The same without the CRC, for a message that no other code could write to since it was protected.
-    pub fn accept_as_sent(
-        &mut self,
-        bytes: &[u8],
-        data_id: u32,
-        incarnation: u32,
-        outcomes: &mut Outcomes,
-    ) -> bool {
-        self.judge(profile7::check_as_sent(bytes, data_id), incarnation, outcomes)
-    }
-
-    fn judge(
-        &mut self,
-        received: Result<u32, profile7::Corrupted>,
-        incarnation: u32,
-        outcomes: &mut Outcomes,
-    ) -> bool {
+        let received = profile7::check(bytes, data_id);
         if received.is_ok() && incarnation > self.incarnation {
             // A restarted sender counts from 1 again, on a new channel.
             *self = Self { incarnation, ..Self::default() };
         }
-        let mut status = self.check.judge(received.ok());
+        let mut status = self.compare(received.ok());
         if status.is_usable() && incarnation < self.incarnation {
             // A message of a sender that was replaced.
             status = Status::WrongSequence;
@@ -133,9 +116,17 @@ impl Channel {
         self.machine.observe(Status::NoNewData);
     }
 
-    /// State of the channel.
-    pub fn state(&self) -> State {
-        self.machine.state()
+    /// The standard's check of the counter against that of the message before; `None` stands for corrupted bytes.
+    fn compare(&mut self, counter: Option<u32>) -> Status {
+        let Some(counter) = counter else { return Status::Error };
+        let delta = self.last.map_or(1, |last| counter.wrapping_sub(last));
+        self.last = Some(counter);
+        match delta {
+            0 => Status::Repeated,
+            1 => Status::Ok,
+            2..=MAX_DELTA_COUNTER => Status::OkSomeLost,
+            _ => Status::WrongSequence,
+        }
     }
 }
 
@@ -160,7 +151,7 @@ mod tests {
             assert!(channel.accept(&message(counter), 5, 0, &mut outcomes));
         }
         assert_eq!((outcomes.ok, outcomes.refused()), (5, 0));
-        assert_eq!(channel.state(), State::Valid);
+        assert_eq!(channel.machine.state, State::Valid);
     }
 
     #[test]
@@ -181,7 +172,7 @@ mod tests {
             bad[40] ^= 1;
             assert!(!channel.accept(&bad, 5, 0, &mut outcomes));
         }
-        assert_eq!(channel.state(), State::Invalid);
+        assert_eq!(channel.machine.state, State::Invalid);
         let used = [7, 8, 9, 10, 11, 12, 13, 14]
             .map(|counter| channel.accept(&message(counter), 5, 0, &mut outcomes));
         assert_eq!(used, [false, false, false, false, true, true, true, true]);
@@ -223,9 +214,9 @@ mod tests {
         assert!(channel.accept(&message(1), 5, 0, &mut outcomes));
         assert!(channel.accept(&message(2), 5, 0, &mut outcomes));
         (0..5).for_each(|_| channel.nothing_new(&mut outcomes));
-        assert_eq!(channel.state(), State::Valid);
+        assert_eq!(channel.machine.state, State::Valid);
         channel.nothing_new(&mut outcomes);
-        assert_eq!((channel.state(), outcomes.no_new_data), (State::Invalid, 6));
+        assert_eq!((channel.machine.state, outcomes.no_new_data), (State::Invalid, 6));
         assert_eq!(outcomes.refused(), 0);
     }
 
@@ -239,13 +230,44 @@ mod tests {
     }
 
     #[test]
-    fn as_sent_the_crc_alone_is_not_compared() {
-        let (mut channel, mut outcomes) = channel();
-        let mut bytes = message(1);
-        bytes[40] ^= 1;
-        assert!(channel.accept_as_sent(&bytes, 5, 0, &mut outcomes));
-        assert!(!channel.accept_as_sent(&message(2), 6, 0, &mut outcomes));
-        assert_eq!((outcomes.ok, outcomes.error), (1, 1));
+    fn counters_by_the_book() {
+        let mut channel = Channel::default();
+        let statuses: Vec<Status> =
+            [Some(7), Some(8), Some(8), Some(10), None, Some(11), Some(9), Some(200), Some(201)]
+                .map(|counter| channel.compare(counter))
+                .to_vec();
+        use Status::{Error, Ok, OkSomeLost, Repeated, WrongSequence};
+        let expected =
+            [Ok, Ok, Repeated, OkSomeLost, Error, Ok, WrongSequence, WrongSequence, Ok].to_vec();
+        assert_eq!(statuses, expected);
+    }
+
+    #[test]
+    fn a_step_of_the_counter_has_its_status() {
+        use Status::{Ok, OkSomeLost, Repeated, WrongSequence};
+        let after = |step: u32| {
+            let mut channel = Channel { last: Some(1000), ..Channel::default() };
+            let status = channel.compare(Some(1000_u32.wrapping_add(step)));
+            // Each counter becomes the next one's reference, whatever its status was.
+            assert_eq!(channel.compare(Some(1001_u32.wrapping_add(step))), Ok);
+            status
+        };
+        let statuses = [0, 1, 2, 64, 65, u32::MAX].map(after);
+        assert_eq!(statuses, [Repeated, Ok, OkSomeLost, OkSomeLost, WrongSequence, WrongSequence]);
+    }
+
+    #[test]
+    fn two_statuses_are_usable() {
+        use Status::{Error, NoNewData, Ok, OkSomeLost, Repeated, WrongSequence};
+        assert!(Ok.is_usable() && OkSomeLost.is_usable());
+        let others = [Repeated, WrongSequence, Error, NoNewData];
+        assert!(!others.into_iter().any(Status::is_usable));
+    }
+
+    #[test]
+    fn the_counter_wraps() {
+        let mut channel = Channel { last: Some(u32::MAX), ..Channel::default() };
+        assert_eq!(channel.compare(Some(0)), Status::Ok);
     }
 
     #[test]

@@ -80,27 +80,10 @@ fn crc(bytes: &[u8]) -> u64 {
 /// # Panics
 /// If the message is shorter than its protection.
 pub fn protect(message: &mut [u8], data_id: u32, counter: u32) {
-    mark(message, data_id, counter);
-    seal(message);
-}
-
-/// The same without the CRC.
-///
-/// # Panics
-/// As [`protect`].
-#[inline]
-pub fn mark(message: &mut [u8], data_id: u32, counter: u32) {
     let length = u32::try_from(message.len()).expect("messages are short");
     message[8..12].copy_from_slice(&length.to_be_bytes());
     message[12..16].copy_from_slice(&counter.to_be_bytes());
     message[16..20].copy_from_slice(&data_id.to_be_bytes());
-}
-
-/// Fills in the CRC, the last missing part of a message.
-///
-/// # Panics
-/// As [`protect`].
-pub fn seal(message: &mut [u8]) {
     let crc = crc(&message[8..]);
     message[..8].copy_from_slice(&crc.to_be_bytes());
 }
@@ -113,24 +96,12 @@ pub fn check(message: &[u8], data_id: u32) -> Result<u32, Corrupted> {
     if message.len() < 20 {
         return Err(Corrupted::Length);
     }
-    if message[..8] != crc(&message[8..]).to_be_bytes() {
-        return Err(Corrupted::Crc);
-    }
-    check_as_sent(message, data_id)
-}
-
-/// The same without the CRC, for a message that no other code could write to since it was protected.
-///
-/// # Errors
-/// As [`check`], but for the CRC.
-#[inline]
-pub fn check_as_sent(message: &[u8], data_id: u32) -> Result<u32, Corrupted> {
-    if message.len() < 20 {
-        return Err(Corrupted::Length);
-    }
     let word = |at: usize| {
         u32::from_be_bytes([message[at], message[at + 1], message[at + 2], message[at + 3]])
     };
+    if message[..8] != crc(&message[8..]).to_be_bytes() {
+        return Err(Corrupted::Crc);
+    }
     if word(8) as usize != message.len() {
         return Err(Corrupted::Length);
     }
@@ -159,17 +130,6 @@ mod tests {
     }
 
     #[test]
-    fn a_message_sealed_later_equals_one_protected_at_once() {
-        let (mut later, mut at_once) = ([7; 64], [7; 64]);
-        protect(&mut at_once, 0x0a0b_0c0d, 9);
-        mark(&mut later, 0x0a0b_0c0d, 9);
-        assert_eq!(check(&later, 0x0a0b_0c0d), Err(Corrupted::Crc));
-        assert_eq!(check_as_sent(&later, 0x0a0b_0c0d), Ok(9));
-        seal(&mut later);
-        assert_eq!(later, at_once);
-    }
-
-    #[test]
     fn unused_bytes_are_protected_only_if_the_length_states_so() {
         let mut message = [7; 64];
         protect(&mut message[..40], 0x0a0b_0c0d, 9);
@@ -184,21 +144,11 @@ mod tests {
     }
 
     #[test]
-    fn as_sent_all_but_the_crc_is_checked() {
-        let mut message = [7; 64];
-        protect(&mut message, 0x0a0b_0c0d, 9);
-        assert_eq!(check_as_sent(&message, 0x0a0b_0c0d), Ok(9));
-        assert_eq!(check_as_sent(&message, 0x0a0b_0c0e), Err(Corrupted::DataId));
-        assert_eq!(check_as_sent(&message[..63], 0x0a0b_0c0d), Err(Corrupted::Length));
-    }
-
-    #[test]
     fn the_shortest_message_is_its_protection() {
         let mut message = [0; 20];
         protect(&mut message, 3, 9);
-        assert_eq!((check(&message, 3), check_as_sent(&message, 3)), (Ok(9), Ok(9)));
+        assert_eq!(check(&message, 3), Ok(9));
         assert_eq!(check(&message[..19], 3), Err(Corrupted::Length));
-        assert_eq!(check_as_sent(&message[..19], 3), Err(Corrupted::Length));
     }
 
     proptest! {

@@ -8,22 +8,7 @@
 //!                            │                     of 6 usable         ▼   │ most 1 error
 //!                            └───────────────────────────────────────► Invalid
 //! ```
-//!
-//! ```
-//! use messages::e2e::{State, StateMachine, Status};
-//!
-//! let mut machine = StateMachine::default();
-//! assert_eq!(machine.observe(Status::Ok), State::Init);
-//! assert_eq!(machine.observe(Status::Ok), State::Valid);
-//! for _ in 0..3 {
-//!     machine.observe(Status::Error);
-//! }
-//! assert_eq!(machine.state(), State::Invalid);
-//! ```
 
-use super::Status;
-
-/// Messages in the window.
 const WINDOW: usize = 6;
 /// Usable messages in the window that make a new channel valid.
 const MIN_OK_INIT: usize = 1;
@@ -38,9 +23,31 @@ const MIN_OK_INVALID: usize = 3;
 /// Errors in the window that an invalid channel may have to become valid again.
 const MAX_ERROR_INVALID: usize = 1;
 
-/// State of a channel.
+/// Result of the check of one message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Status {
+    /// Intact, next in sequence.
+    Ok,
+    /// Intact; messages before it were lost.
+    OkSomeLost,
+    /// The same counter again.
+    Repeated,
+    /// The counter went back, or too far ahead.
+    WrongSequence,
+    /// Wrong CRC, length or data ID.
+    Error,
+    NoNewData,
+}
+
+impl Status {
+    /// True if the message alone can be used.
+    pub(super) fn is_usable(self) -> bool {
+        matches!(self, Self::Ok | Self::OkSomeLost)
+    }
+}
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum State {
+pub(super) enum State {
     /// No message was received.
     #[default]
     NoData,
@@ -54,15 +61,15 @@ pub enum State {
 
 /// Keeps the last messages of a channel, and its state.
 #[derive(Clone, Debug, Default)]
-pub struct StateMachine {
-    state: State,
+pub(super) struct StateMachine {
+    pub(super) state: State,
     window: [Option<Status>; WINDOW],
     next: usize,
 }
 
 impl StateMachine {
     /// Takes the status of the next message; returns the state after it.
-    pub fn observe(&mut self, status: Status) -> State {
+    pub(super) fn observe(&mut self, status: Status) -> State {
         if self.state == State::NoData {
             if !matches!(status, Status::Error | Status::NoNewData) {
                 self.state = State::Init;
@@ -84,11 +91,6 @@ impl StateMachine {
             State::Invalid if errors <= MAX_ERROR_INVALID && ok >= MIN_OK_INVALID => State::Valid,
             state => state,
         };
-        self.state
-    }
-
-    /// The state.
-    pub fn state(&self) -> State {
         self.state
     }
 
@@ -114,7 +116,7 @@ mod tests {
         let mut machine = StateMachine::default();
         statuses.map(|status| {
             let state = machine.observe(status);
-            assert_eq!(machine.state(), state);
+            assert_eq!(machine.state, state);
             state
         })
     }
@@ -203,7 +205,7 @@ mod tests {
             for _ in 0..WINDOW {
                 machine.observe(Status::Ok);
             }
-            prop_assert_eq!(machine.state(), State::Valid);
+            prop_assert_eq!(machine.state, State::Valid);
         }
     }
 }

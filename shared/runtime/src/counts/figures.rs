@@ -10,7 +10,7 @@
 #![allow(unsafe_code, reason = "a struct of atomic numbers in shared memory")]
 
 use super::statistics::{Buckets, Latencies};
-use super::{SLOTS, State};
+use super::{PROCESSES, SLOTS, State};
 use crate::RuntimeError;
 use crate::words::{Atomics, Shared};
 use std::fs::File;
@@ -30,6 +30,9 @@ pub(super) struct Names {
     histograms: [AtomicU64; SLOTS],
     counts: [AtomicU64; SLOTS],
     values: [AtomicU64; SLOTS],
+    /// Processes by their incarnation, counted from 1, and their cycles. Those of a standby are among them.
+    processes: [AtomicU64; PROCESSES],
+    cycles: [AtomicU64; PROCESSES],
 }
 
 // SAFETY: words alone.
@@ -40,7 +43,6 @@ unsafe impl Atomics for Names {}
 pub struct Figures(Option<Kept>);
 
 impl Figures {
-    /// Those in `file`.
     pub(super) fn of(file: File) -> io::Result<Self> {
         let names = Arc::new(Shared::of(&file, offset_of!(State, names))?);
         Ok(Self(Some(Kept { file, names, records: Arc::new(AtomicBool::new(true)) })))
@@ -53,7 +55,23 @@ impl Figures {
         }
     }
 
-    /// The count of this name.
+    /// Shows that process `incarnation` has done `cycles`.
+    pub(super) fn show(&self, incarnation: u32, cycles: u64) {
+        if let Some(kept) = &self.0 {
+            let place = incarnation as usize % PROCESSES;
+            kept.names.cycles[place].store(cycles, Ordering::Relaxed);
+            kept.names.processes[place].store(u64::from(incarnation) + 1, Ordering::Release);
+        }
+    }
+
+    /// The progress that process `incarnation` shows.
+    pub(super) fn progress(&self, incarnation: u32) -> Option<Progress> {
+        let names = Arc::clone(&self.0.as_ref()?.names);
+        let place = incarnation as usize % PROCESSES;
+        let shown = names.processes[place].load(Ordering::Acquire);
+        (shown == u64::from(incarnation) + 1).then_some(Progress { names, place })
+    }
+
     pub fn count(&self, name: &str) -> Result<Count, RuntimeError> {
         let Some(kept) = &self.0 else { return Ok(Count::default()) };
         let slot = slot(&kept.names.counts, name).map_err(RuntimeError::setup(name.to_owned()))?;
@@ -70,6 +88,20 @@ impl Figures {
         });
         let buckets = buckets.map_err(RuntimeError::setup(name.to_owned()))?;
         Ok(Latencies::kept(buckets, Arc::clone(&kept.records)))
+    }
+}
+
+/// The progress of a process, as another one sees it.
+#[derive(Debug)]
+pub struct Progress {
+    names: Arc<Shared<Names>>,
+    place: usize,
+}
+
+impl Progress {
+    /// Cycles that it has done, silent ones included.
+    pub fn cycles(&self) -> u64 {
+        self.names.cycles[self.place].load(Ordering::Relaxed)
     }
 }
 
@@ -110,7 +142,6 @@ impl Default for Place {
 }
 
 impl Count {
-    /// Adds `more`.
     pub fn add(&mut self, more: u64) {
         match &mut self.0 {
             Place::Own(count) => *count += more,
@@ -122,7 +153,6 @@ impl Count {
         }
     }
 
-    /// The count.
     pub fn get(&self) -> u64 {
         match &self.0 {
             Place::Own(count) => *count,
@@ -191,6 +221,26 @@ mod tests {
         silent_late.add(1);
         let max = law.percentiles_us().map(|p| (p.count, p.max.round()));
         assert_eq!((max, late.get()), (Some((2, 9.0)), 2));
+    }
+
+    #[test]
+    fn another_process_sees_the_cycles_of_each_process() {
+        let run = Run::new("progress");
+        let reader = open(&run);
+        for incarnation in 0..40 {
+            let mut counts = open(&run);
+            counts.show_progress(7);
+            assert!(reader.progress(incarnation).is_none(), "it has not begun");
+            counts.begin(incarnation);
+            let progress = reader.progress(incarnation).expect("it has begun");
+            assert_eq!(progress.cycles(), 0);
+            counts.show_progress(9);
+            assert_eq!(progress.cycles(), 9);
+        }
+        assert!(reader.progress(3).is_none(), "another process has its place");
+        assert_eq!(reader.progress(39).map(|progress| progress.cycles()), Some(9));
+        assert_eq!(reader.progress(38).map(|progress| progress.cycles()), Some(9));
+        assert!(ServiceCounts::of(&run.0, Service::Controller).progress(0).is_none());
     }
 
     #[test]

@@ -11,11 +11,9 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 /// A fault that the launcher sends into a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Injected {
-    /// Its number in the run.
     pub number: u32,
     /// Time when it begins, ns of run time.
     pub begin_ns: i64,
-    /// The fault.
     pub fault: Fault,
 }
 
@@ -195,20 +193,13 @@ impl Faults {
             })
     }
 
-    /// Effects of all faults so far.
-    pub(crate) fn statistics(&self) -> Vec<FaultStatistics> {
-        let mut all = Vec::new();
-        self.each_statistics(|one| all.push(one));
-        all
-    }
-
-    pub(crate) fn each_statistics(&self, mut take: impl FnMut(FaultStatistics)) {
-        for entry in self.entries.borrow().iter().filter(|entry| entry.messages > 0) {
-            let Entry { number: fault, messages, undetected, .. } = *entry;
-            if let Some(begun_ns) = entry.begun_ns {
-                take(FaultStatistics { fault, begun_ns, messages, undetected });
-            }
-        }
+    /// Adds the effects of all faults so far.
+    pub(crate) fn statistics(&self, into: &mut Vec<FaultStatistics>) {
+        into.extend(self.entries.borrow().iter().filter(|entry| entry.messages > 0).filter_map(
+            |&Entry { number: fault, begun_ns, messages, undetected, .. }| {
+                begun_ns.map(|begun_ns| FaultStatistics { fault, begun_ns, messages, undetected })
+            },
+        ));
     }
 }
 

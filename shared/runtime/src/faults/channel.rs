@@ -2,9 +2,7 @@
 
 use super::activation::{Faults, drive};
 use crate::Clock;
-use crate::transport::Sealing;
 use messages::Message;
-use messages::e2e::profile7;
 use scenario::faults::{Disturbance, Effect};
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -17,8 +15,6 @@ const CAPACITY: usize = 256;
 pub(crate) struct Disturbed<T> {
     faults: Rc<Faults>,
     clock: Rc<Clock>,
-    /// Sealing of what arrives.
-    sealing: Sealing,
     /// Messages and when they are handed over, ns of run time.
     pending: VecDeque<(i64, OnItsWay<T>)>,
     /// A message that lets its successor pass.
@@ -32,9 +28,9 @@ pub(crate) struct OnItsWay<T> {
 }
 
 impl<T: Message> Disturbed<T> {
-    /// Lets `faults` disturb messages that are sealed so.
-    pub(crate) fn new(faults: Rc<Faults>, clock: Rc<Clock>, sealing: Sealing) -> Self {
-        Self { faults, clock, sealing, pending: VecDeque::new(), overtaken: None }
+    /// Lets `faults` disturb messages.
+    pub(crate) fn new(faults: Rc<Faults>, clock: Rc<Clock>) -> Self {
+        Self { faults, clock, pending: VecDeque::new(), overtaken: None }
     }
 
     /// Takes a message that arrived now. True if no fault acts on it and none is before it. It is then the receiver's at
@@ -45,14 +41,6 @@ impl<T: Message> Disturbed<T> {
         }
         let now_ns = self.clock.now_ns();
         let in_use = T::LAYOUT.bytes_in_use(bytemuck::bytes_of(message));
-        // A message that is checked as a copy is checked by its CRC too.
-        let copy = || {
-            let mut copy = *message;
-            if self.sealing == Sealing::Unsealed {
-                profile7::seal(&mut bytemuck::bytes_of_mut(&mut copy)[..in_use]);
-            }
-            copy
-        };
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);
         let mut changed: Option<T> = None;
@@ -71,7 +59,7 @@ impl<T: Message> Disturbed<T> {
                 }
                 Disturbance::Corrupt { bits } => {
                     corrupted_by = Some(activation.number);
-                    let bytes = bytemuck::bytes_of_mut(changed.get_or_insert_with(copy));
+                    let bytes = bytemuck::bytes_of_mut(changed.get_or_insert(*message));
                     // Nothing reads what is behind it.
                     let bytes = &mut bytes[..in_use];
                     for k in 0..bits.value() {
@@ -80,7 +68,7 @@ impl<T: Message> Disturbed<T> {
                         bytes[bit / 8] ^= 1 << (bit % 8);
                     }
                     // Flips can meet in one bit and undo each other: then nothing would be corrupt.
-                    if *bytes == bytemuck::bytes_of(&copy())[..in_use] {
+                    if *bytes == bytemuck::bytes_of(message)[..in_use] {
                         bytes[0] ^= 1;
                     }
                 }
@@ -90,7 +78,7 @@ impl<T: Message> Disturbed<T> {
         if undisturbed && self.pending.is_empty() && self.overtaken.is_none() {
             return true;
         }
-        let message = OnItsWay { message: changed.unwrap_or_else(copy), corrupted_by };
+        let message = OnItsWay { message: changed.unwrap_or(*message), corrupted_by };
         if reordered && copies > 0 && self.overtaken.is_none() {
             self.overtaken = Some(Box::new(message));
             return false;

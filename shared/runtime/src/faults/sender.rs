@@ -62,7 +62,6 @@ impl<T: Message> Falsified<T> {
     }
 }
 
-/// A shift in seconds as nanoseconds.
 fn nanoseconds(shift_s: Shift) -> i64 {
     (shift_s.value() * 1e9) as i64
 }

@@ -4,6 +4,7 @@ use bytemuck::Pod;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
 use rustix::io::{Errno, read, write};
+use std::io;
 use std::marker::PhantomData;
 use std::os::fd::OwnedFd;
 use std::time::{Duration, Instant};
@@ -14,40 +15,24 @@ const SHOWN: usize = 40;
 
 /// Misbehaviour of a program.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum ChannelError {
+pub(super) enum ChannelError {
     /// It ended, or closed its output.
     #[error("ended")]
     Closed,
-    /// Its output is not an answer to the question.
-    #[error(
-        "wrote {shown} where an answer of {bytes} bytes was expected that begins with the question's \
-         number, {expected}, as 8 bytes"
-    )]
-    Garbage {
-        /// The bytes as a person may read them.
-        shown: String,
-        /// Bytes of an answer.
-        bytes: usize,
-        /// Number of the question.
-        expected: u64,
-    },
-    /// It wrote although it had been asked nothing.
-    #[error("wrote {shown} without a question, expected one answer of {bytes} bytes to each")]
-    Unasked {
-        /// The bytes as a person may read them.
-        shown: String,
-        /// Bytes of an answer.
-        bytes: usize,
-    },
-    /// It has not answered.
-    #[error("gave no answer within {} s", patience.as_secs_f64())]
-    Silent {
-        /// Time that it had.
-        patience: Duration,
-    },
-    /// The pipe broke.
-    #[error("cannot be spoken to: {0}")]
-    Pipe(Errno),
+    /// Its act, behind the program's name.
+    #[error("{0}")]
+    Wrong(String),
+}
+
+impl ChannelError {
+    /// It has not answered in this time.
+    pub(super) fn silent(patience: Duration) -> Self {
+        Self::Wrong(format!("gave no answer within {} s", patience.as_secs_f64()))
+    }
+
+    fn pipe(errno: Errno) -> Self {
+        Self::Wrong(format!("cannot be spoken to: {errno}"))
+    }
 }
 
 /// The pipes. Questions `Q` and answers `A` are records that begin with the question's number.
@@ -64,18 +49,15 @@ pub(super) struct Channel<Q, A> {
 }
 
 impl<Q: Pod, A: Pod> Channel<Q, A> {
-    pub(super) fn new(questions: OwnedFd, answers: OwnedFd) -> Result<Self, ChannelError> {
+    pub(super) fn new(questions: OwnedFd, answers: OwnedFd) -> io::Result<Self> {
         for end in [&questions, &answers] {
-            fcntl_getfl(end)
-                .and_then(|flags| fcntl_setfl(end, flags | OFlags::NONBLOCK))
-                .map_err(ChannelError::Pipe)?;
+            fcntl_setfl(end, fcntl_getfl(end)? | OFlags::NONBLOCK)?;
         }
         let part = vec![0; size_of::<A>()];
         let records = PhantomData;
         Ok(Self { questions, answers, part, filled: 0, asked: None, next: 1, records })
     }
 
-    /// Number of the next question.
     pub(super) fn next_number(&self) -> u64 {
         self.next
     }
@@ -90,8 +72,11 @@ impl<Q: Pod, A: Pod> Channel<Q, A> {
         let bytes = bytemuck::bytes_of(question);
         debug_assert!(self.asked.is_none() && bytes.starts_with(&self.next.to_le_bytes()));
         if self.filled > 0 || self.fill()? {
-            let shown = shown(&self.part[..self.filled]);
-            return Err(ChannelError::Unasked { shown, bytes: size_of::<A>() });
+            return Err(ChannelError::Wrong(format!(
+                "wrote {} without a question, expected one answer of {} bytes to each",
+                shown(&self.part[..self.filled]),
+                self.part.len()
+            )));
         }
         // Up to PIPE_BUF bytes are written whole or not at all.
         loop {
@@ -101,7 +86,7 @@ impl<Q: Pod, A: Pod> Channel<Q, A> {
                 // The program reads no questions: it will be late.
                 Err(Errno::AGAIN) => break,
                 Err(Errno::PIPE) => return Err(ChannelError::Closed),
-                Err(error) => return Err(ChannelError::Pipe(error)),
+                Err(error) => return Err(ChannelError::pipe(error)),
             }
         }
         self.asked = Some((self.next, Instant::now()));
@@ -117,9 +102,12 @@ impl<Q: Pod, A: Pod> Channel<Q, A> {
             // A wrong beginning is refused at once.
             let seen = self.filled.min(8);
             if self.part[..seen] != number.to_le_bytes()[..seen] {
-                let shown = shown(&self.part[..self.filled]);
-                let bytes = size_of::<A>();
-                return Err(ChannelError::Garbage { shown, bytes, expected: number });
+                return Err(ChannelError::Wrong(format!(
+                    "wrote {} where an answer of {} bytes was expected that begins with the \
+                     question's number, {number}, as 8 bytes",
+                    shown(&self.part[..self.filled]),
+                    self.part.len()
+                )));
             }
             if self.filled == self.part.len() {
                 let mut answer = A::zeroed();
@@ -137,7 +125,7 @@ impl<Q: Pod, A: Pod> Channel<Q, A> {
             let wait = Timespec::try_from(left).expect("deadlines are near");
             match poll(&mut [PollFd::new(&self.answers, PollFlags::IN)], Some(&wait)) {
                 Ok(_) | Err(Errno::INTR) => {}
-                Err(error) => return Err(ChannelError::Pipe(error)),
+                Err(error) => return Err(ChannelError::pipe(error)),
             }
         }
     }
@@ -156,7 +144,7 @@ impl<Q: Pod, A: Pod> Channel<Q, A> {
                 }
                 Err(Errno::INTR) => {}
                 Err(Errno::AGAIN) => return Ok(false),
-                Err(error) => return Err(ChannelError::Pipe(error)),
+                Err(error) => return Err(ChannelError::pipe(error)),
             }
         }
     }
@@ -242,7 +230,8 @@ mod tests {
         ask(&mut channel).expect("there is room");
         write(&ours, &[answer(1), answer(1)].concat()).expect("there is room");
         assert!(channel.answer(soon()).expect("right").is_some());
-        assert!(matches!(ask(&mut channel), Err(ChannelError::Unasked { .. })));
+        let error = ask(&mut channel).expect_err("no question");
+        assert!(error.to_string().contains("without a question"), "{error}");
         let (mut channel, theirs, ours) = self::channel();
         ask(&mut channel).expect("there is room");
         drop((theirs, ours));

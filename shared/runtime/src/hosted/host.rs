@@ -5,104 +5,38 @@
 //! killed as a whole.
 
 use super::channel::{Channel, ChannelError};
-use super::process::{GRACE, Plan, Process, StartError};
-use super::{MAX_FAILURES, Proof};
+use super::process::{GRACE, Plan, Process};
+use super::{HostError, Proof};
 use crate::machine::scheduling::lend_to;
 use bytemuck::Pod;
 use scenario::Scenario;
 use scenario::supervision::Supervision;
 use std::collections::VecDeque;
-use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use thiserror::Error;
 
-/// Reason why there is no program.
-#[derive(Debug, Error)]
-pub enum HostError {
-    /// The thread that would start it.
-    #[error("{subject} cannot be hosted: {reason}")]
-    NoThread {
-        /// The program in a sentence, here and below.
-        subject: String,
-        /// Error of the system.
-        #[source]
-        reason: io::Error,
-    },
-    /// It does not run.
-    #[error("{subject} cannot be started: {reason}")]
-    NotStarted {
-        /// The program in a sentence.
-        subject: String,
-        /// Error of its start.
-        reason: StartError,
-    },
-    /// Its first answer cannot be used.
-    #[error("{subject} gave a wrong first answer: {what}")]
-    FirstAnswer {
-        /// The program in a sentence.
-        subject: String,
-        /// Fault of the answer.
-        what: String,
-    },
-    /// It ended, or did not answer as it should.
-    #[error(
-        "{subject} {what}{}{words}{}",
-        if words.is_empty() { "" } else { "; it said: " },
-        if *first { " (it had not answered once)" } else { "" }
-    )]
-    Failed {
-        /// The program in a sentence.
-        subject: String,
-        /// Behaviour of the program.
-        what: String,
-        /// Its last lines on standard error.
-        words: String,
-        /// It had not answered once.
-        first: bool,
-    },
-    /// The budget of starts is used up.
-    #[error("{subject} failed too often and is not started again")]
-    TooOften {
-        /// The program in a sentence.
-        subject: String,
-    },
-    /// The thread does not answer in time.
-    #[error("the host of the program does not answer")]
-    Silent,
-    /// The program's fault, where the thread cannot say more of it.
-    #[error(transparent)]
-    Channel(#[from] ChannelError),
-}
+/// Failures of a program that are kept.
+const MAX_FAILURES: usize = 8;
 
 /// Request of the control loop.
 #[derive(Debug)]
-enum Order {
-    /// Say what the program did, and end it.
-    Explain(ChannelError),
-    /// Replace the program, for what it did.
-    Replace(ChannelError),
+pub(super) enum Order {
+    /// Replace the program, for what it did. The last one is ended, and the reason is the news.
+    Replace { error: ChannelError, is_last: bool },
     /// Lend the programs a share of the services' scheduling.
     Lend(Box<Scenario>),
 }
 
-/// Answer of the thread.
-#[derive(Debug)]
-pub(super) enum News<Q, A> {
-    /// A program that gave its first answer.
-    Ready(Box<Channel<Q, A>>),
-    /// There will be none any more.
-    Ended(HostError),
-}
+/// A program that gave its first answer, or the reason why there will be none any more.
+type News<Q, A> = Result<Box<Channel<Q, A>>, HostError>;
 
 /// Record of all programs so far.
 #[derive(Clone, Debug, Default)]
 pub struct Life {
     /// Times that it was started.
     pub starts: u64,
-    /// Its failures, at most [`MAX_FAILURES`] of them.
     pub failures: Vec<String>,
     /// It failed too often and was not started again.
     pub given_up: bool,
@@ -122,48 +56,27 @@ impl<Q: Pod + Send, A: Pod + Send> Host<Q, A> {
     pub(super) fn start(plan: Plan, proof: Proof<Q, A>) -> Result<Self, HostError> {
         let (orders, inbox) = channel();
         let (outbox, news) = channel();
-        let life = Arc::new(Mutex::new(Life::default()));
+        let life = Arc::<Mutex<Life>>::default();
         let subject = plan.subject();
-        let own = Thread {
-            plan,
-            proof,
-            orders: inbox,
-            news: outbox,
-            life: Arc::clone(&life),
-            lent: None,
-        };
+        let own = Arc::clone(&life);
+        let own = Thread { plan, proof, orders: inbox, news: outbox, life: own, lent: None };
         let thread = std::thread::Builder::new()
             .name("program-host".into())
             .spawn(move || own.run())
-            .map_err(|reason| HostError::NoThread { subject, reason })?;
+            .map_err(|reason| HostError(format!("{subject} cannot be hosted: {reason}")))?;
         Ok(Self { orders: Some(orders), news, life, thread: Some(thread) })
     }
 
-    /// Asks for what the program did, in a sentence, and ends it; the answer comes as news.
-    pub(super) fn explain(&self, error: ChannelError) {
-        self.order(Order::Explain(error));
-    }
-
-    /// Asks for another program.
-    pub(super) fn replace(&self, error: ChannelError) {
-        self.order(Order::Replace(error));
-    }
-
-    /// Lends the programs a share of the services' scheduling.
-    pub(super) fn lend(&self, scenario: &Scenario) {
-        self.order(Order::Lend(Box::new(scenario.clone())));
+    pub(super) fn order(&self, order: Order) {
+        if let Some(orders) = &self.orders {
+            // The thread may have given up.
+            let _ = orders.send(order);
+        }
     }
 
     /// Record of all programs so far.
     pub(super) fn life(&self) -> Life {
         self.life.lock().expect("no holder panics").clone()
-    }
-
-    fn order(&self, order: Order) {
-        if let Some(orders) = &self.orders {
-            // The thread may have given up.
-            let _ = orders.send(order);
-        }
     }
 }
 
@@ -177,7 +90,6 @@ impl<Q, A> Drop for Host<Q, A> {
     }
 }
 
-/// The thread.
 struct Thread<Q, A> {
     plan: Plan,
     proof: Proof<Q, A>,
@@ -190,23 +102,25 @@ struct Thread<Q, A> {
 impl<Q: Pod + Send, A: Pod + Send> Thread<Q, A> {
     fn run(mut self) {
         let mut restarts = Restarts::default();
-        let mut first = true;
+        let mut is_first = true;
         loop {
-            match self.begin() {
+            let (why, is_last) = match self.begin() {
                 Ok((process, channel)) => {
-                    if self.news.send(News::Ready(Box::new(channel))).is_err() {
+                    if self.news.send(Ok(Box::new(channel))).is_err() {
                         return process.end(GRACE);
                     }
-                    if !self.attend(process) {
-                        return;
-                    }
+                    let Some(end) = self.attend(process) else { return };
+                    end
                 }
-                Err(why) if first => return self.give_up(why),
-                Err(why) => self.note(&why),
+                Err(why) => (why, is_first),
+            };
+            is_first = false;
+            if is_last {
+                return self.give_up(why);
             }
-            first = false;
+            self.note(&why);
             let Some(wait) = restarts.next(&self.plan.supervision) else {
-                return self.give_up(HostError::TooOften { subject: self.plan.subject() });
+                return self.give_up(self.error("failed too often and is not started again"));
             };
             if !self.pause(wait) {
                 return;
@@ -214,29 +128,23 @@ impl<Q: Pod + Send, A: Pod + Send> Thread<Q, A> {
         }
     }
 
-    /// Looks after a program until it is to be replaced; false when there is nothing more to do.
-    fn attend(&mut self, mut process: Process) -> bool {
+    /// Looks after a program until it is to be replaced: for this reason, and whether it was the last one. `None` when
+    /// there is nothing more to do.
+    fn attend(&mut self, mut process: Process) -> Option<(HostError, bool)> {
         loop {
             match self.orders.recv() {
                 Ok(Order::Lend(scenario)) => {
                     lend_to(process.pid(), &scenario, self.proof.service);
                     self.lent = Some(scenario);
                 }
-                Ok(Order::Replace(error)) => {
-                    let why = self.why(&error, &mut process, false);
-                    self.note(&why);
+                Ok(Order::Replace { error, is_last }) => {
+                    let why = self.failure(&error, &mut process, "");
                     process.end(Duration::ZERO);
-                    return true;
-                }
-                Ok(Order::Explain(error)) => {
-                    let why = self.why(&error, &mut process, false);
-                    process.end(Duration::ZERO);
-                    self.give_up(why);
-                    return false;
+                    return Some((why, is_last));
                 }
                 Err(_) => {
                     process.end(GRACE);
-                    return false;
+                    return None;
                 }
             }
         }
@@ -248,51 +156,50 @@ impl<Q: Pod + Send, A: Pod + Send> Thread<Q, A> {
         loop {
             match self.orders.recv_timeout(until.saturating_duration_since(Instant::now())) {
                 Ok(Order::Lend(scenario)) => self.lent = Some(scenario),
-                Ok(Order::Replace(_) | Order::Explain(_)) => {}
-                Err(RecvTimeoutError::Timeout) => return true,
-                Err(RecvTimeoutError::Disconnected) => return false,
+                Ok(Order::Replace { .. }) => {}
+                Err(error) => return error == RecvTimeoutError::Timeout,
             }
         }
     }
 
     /// Starts a program and reads its first answer.
     fn begin(&mut self) -> Result<(Process, Channel<Q, A>), HostError> {
-        let subject = || self.plan.subject();
         let (mut process, mut channel) = Process::start(&self.plan)
-            .map_err(|reason| HostError::NotStarted { subject: subject(), reason })?;
+            .map_err(|reason| self.error(&format!("cannot be started: {reason}")))?;
         self.life.lock().expect("no holder panics").starts += 1;
-        let deadline = Instant::now() + self.plan.patience;
-        let asked = channel.ask(&self.proof.question);
-        match asked.and_then(|()| channel.answer(deadline)) {
-            Ok(Some(answer)) => match (self.proof.check)(&answer) {
-                Ok(()) => {
-                    if let Some(scenario) = &self.lent {
-                        lend_to(process.pid(), scenario, self.proof.service);
-                    }
-                    Ok((process, channel))
+        let patience = self.plan.patience;
+        let deadline = Instant::now() + patience;
+        let answer = channel.ask(&self.proof.question).and_then(|()| channel.answer(deadline));
+        let answer = answer.and_then(|answer| answer.ok_or(ChannelError::silent(patience)));
+        let why = match answer.map(|answer| (self.proof.check)(&answer)) {
+            Ok(Ok(())) => {
+                if let Some(scenario) = &self.lent {
+                    lend_to(process.pid(), scenario, self.proof.service);
                 }
-                Err(what) => {
-                    process.end(Duration::ZERO);
-                    Err(HostError::FirstAnswer { subject: subject(), what })
-                }
-            },
-            other => {
-                let patience = self.plan.patience;
-                let error = other.err().unwrap_or(ChannelError::Silent { patience });
-                let why = self.why(&error, &mut process, true);
-                process.end(Duration::ZERO);
-                Err(why)
+                return Ok((process, channel));
             }
-        }
+            Ok(Err(what)) => self.error(&format!("gave a wrong first answer: {what}")),
+            Err(error) => self.failure(&error, &mut process, " (it had not answered once)"),
+        };
+        process.end(Duration::ZERO);
+        Err(why)
     }
 
-    /// Behaviour of a program.
-    fn why(&self, error: &ChannelError, process: &mut Process, first: bool) -> HostError {
+    fn error(&self, what: &str) -> HostError {
+        HostError(format!("{} {what}", self.plan.subject()))
+    }
+
+    /// Behaviour of a program, and its last lines on standard error.
+    fn failure(&self, error: &ChannelError, process: &mut Process, note: &str) -> HostError {
         let what = match error {
             ChannelError::Closed => process.how_it_ended(),
-            other => other.to_string(),
+            ChannelError::Wrong(what) => what.clone(),
         };
-        HostError::Failed { subject: self.plan.subject(), what, words: process.last_words(), first }
+        let said = match process.last_words() {
+            words if words.is_empty() => words,
+            words => format!("; it said: {words}"),
+        };
+        self.error(&format!("{what}{said}{note}"))
     }
 
     fn note(&self, why: &HostError) {
@@ -306,7 +213,7 @@ impl<Q: Pod + Send, A: Pod + Send> Thread<Q, A> {
         self.note(&why);
         self.life.lock().expect("no holder panics").given_up = true;
         // The loop may be gone.
-        let _ = self.news.send(News::Ended(why));
+        let _ = self.news.send(Err(why));
     }
 }
 

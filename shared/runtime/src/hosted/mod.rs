@@ -13,19 +13,16 @@ mod channel;
 mod host;
 mod process;
 
-pub use channel::ChannelError;
-pub use host::{HostError, Life};
-pub use process::{Plan, StartError};
+pub use host::Life;
+pub use process::Plan;
 
 use bytemuck::Pod;
-use channel::Channel;
-use host::{Host, News};
+use channel::{Channel, ChannelError};
+use host::{Host, Order};
 use messages::Service;
 use scenario::Scenario;
 use std::time::{Duration, Instant};
 
-/// Failures of a program that are kept.
-pub const MAX_FAILURES: usize = 8;
 /// Part of the time to the deadline that is left to the service.
 const RESERVE: f64 = 0.1;
 
@@ -51,6 +48,11 @@ pub enum Reply<A> {
     Absent,
 }
 
+/// Reason why there is no program: a sentence with the program and its fault.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct HostError(String);
+
 /// A program with the host that starts, proves, replaces and ends it.
 #[derive(Debug)]
 pub struct Hosting<Q: Pod, A: Pod> {
@@ -69,7 +71,6 @@ impl<Q: Pod + Send, A: Pod + Send> Hosting<Q, A> {
         Self { plan, proof, channel: None, host: None, forget: true }
     }
 
-    /// The program.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
@@ -97,19 +98,17 @@ impl<Q: Pod + Send, A: Pod + Send> Hosting<Q, A> {
         if self.host.is_none() {
             self.host = Some(Host::start(self.plan.clone(), self.proof)?);
             // The host's own watchdog is shorter.
-            self.look(Some(2 * self.plan.patience + Duration::from_secs(5)))?;
+            self.look(2 * self.plan.patience + Duration::from_secs(5))?;
         }
         match self.channel {
             Some(_) => Ok(()),
-            None => Err(HostError::Silent),
+            None => Err(HostError("the host of the program does not answer".into())),
         }
     }
 
     /// Lends the program a share of the service's scheduling.
     pub fn lend(&self, scenario: &Scenario) {
-        if let Some(host) = &self.host {
-            host.lend(scenario);
-        }
+        self.order(|| Order::Lend(Box::new(scenario.clone())));
     }
 
     /// Asks the question that `question` makes of its number and of the wish to begin anew. `left` is the time to the
@@ -124,20 +123,23 @@ impl<Q: Pod + Send, A: Pod + Send> Hosting<Q, A> {
     ) -> Result<Reply<A>, HostError> {
         if self.channel.is_none() && left.is_some() {
             // A host that has given up has said so in its record.
-            let _ = self.look(None);
+            let _ = self.look(Duration::ZERO);
         }
         let patience = left.map_or(self.plan.patience, |left| left.mul_f64(1.0 - RESERVE));
-        match self.exchange(question, Instant::now() + patience) {
-            Ok(Reply::Late) if left.is_none() => {
-                Err(self.explain(ChannelError::Silent { patience }))
-            }
-            Ok(reply) => Ok(reply),
-            Err(error) if left.is_none() => Err(self.explain(error)),
-            Err(error) => {
-                self.replace(error);
-                Ok(Reply::Absent)
-            }
+        let error = match self.exchange(question, Instant::now() + patience) {
+            Ok(Reply::Late) if left.is_none() => ChannelError::silent(patience),
+            Ok(reply) => return Ok(reply),
+            Err(error) => error,
+        };
+        // Its input ends with the channel.
+        self.channel = None;
+        let (is_last, own) = (left.is_none(), error.to_string());
+        self.order(|| Order::Replace { error, is_last });
+        if !is_last {
+            return Ok(Reply::Absent);
         }
+        let host = self.host.as_ref();
+        Err(host.and_then(|host| host.news.iter().find_map(Result::err)).unwrap_or(HostError(own)))
     }
 
     fn exchange(
@@ -147,11 +149,12 @@ impl<Q: Pod + Send, A: Pod + Send> Hosting<Q, A> {
     ) -> Result<Reply<A>, ChannelError> {
         let Some(channel) = &mut self.channel else { return Ok(Reply::Absent) };
         // An answer to an earlier question comes too late to be used.
-        if channel.unanswered_since().is_some() && channel.answer(Instant::now())?.is_none() {
+        if let Some(since) = channel.unanswered_since()
+            && channel.answer(Instant::now())?.is_none()
+        {
             let silence = self.plan.silence;
-            let owed = channel.unanswered_since().is_some_and(|since| since.elapsed() > silence);
-            return match owed {
-                true => Err(ChannelError::Silent { patience: silence }),
+            return match since.elapsed() > silence {
+                true => Err(ChannelError::silent(silence)),
                 false => Ok(Reply::Late),
             };
         }
@@ -163,48 +166,24 @@ impl<Q: Pod + Send, A: Pod + Send> Hosting<Q, A> {
         })
     }
 
-    fn replace(&mut self, error: ChannelError) {
-        // Its input ends with the channel.
-        self.channel = None;
-        if let Some(host) = &self.host {
-            host.replace(error);
-        }
-    }
-
     /// Record of all programs so far.
     pub fn life(&self) -> Life {
         self.host.as_ref().map_or_else(Life::default, Host::life)
     }
 
-    /// Takes the next program, if the host has one; waits for it if `patience` is given.
-    fn look(&mut self, patience: Option<Duration>) -> Result<(), HostError> {
-        let Some(host) = &self.host else { return Ok(()) };
-        let news = match patience {
-            Some(patience) => host.news.recv_timeout(patience).ok(),
-            None => host.news.try_recv().ok(),
-        };
-        match news {
-            Some(News::Ready(channel)) => {
-                (self.channel, self.forget) = (Some(channel), true);
-                Ok(())
-            }
-            Some(News::Ended(why)) => Err(why),
-            None => Ok(()),
+    /// Takes the next program, if the host has one within `patience`.
+    fn look(&mut self, patience: Duration) -> Result<(), HostError> {
+        if let Some(host) = &self.host
+            && let Ok(news) = host.news.recv_timeout(patience)
+        {
+            (self.channel, self.forget) = (Some(news?), true);
         }
+        Ok(())
     }
 
-    /// Describes the program's fault in a sentence; ends the program.
-    fn explain(&mut self, error: ChannelError) -> HostError {
-        self.channel = None;
-        let own = HostError::Channel(error.clone());
+    fn order(&self, order: impl FnOnce() -> Order) {
         if let Some(host) = &self.host {
-            host.explain(error);
-            while let Ok(news) = host.news.recv() {
-                if let News::Ended(why) = news {
-                    return why;
-                }
-            }
+            host.order(order());
         }
-        own
     }
 }

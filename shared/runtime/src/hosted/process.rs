@@ -1,6 +1,6 @@
 //! A hosted program's process: its start, its last words, its end.
 
-use super::channel::{Channel, ChannelError};
+use super::channel::Channel;
 use crate::machine::spawn::{die_with_this_thread, inherit_only};
 use bytemuck::Pod;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
@@ -12,7 +12,6 @@ use std::path::PathBuf;
 use std::process::{Child, ChildStderr, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use thiserror::Error;
 
 /// Time that a program gets to go when its input ends.
 pub(super) const GRACE: Duration = Duration::from_millis(500);
@@ -33,7 +32,6 @@ pub struct Plan {
     pub command: Vec<String>,
     /// Variables of its environment, beside this process's own.
     pub variables: Vec<(String, String)>,
-    /// Directory in which it runs.
     pub directory: PathBuf,
     /// Time for the first answer.
     pub patience: Duration,
@@ -51,26 +49,6 @@ impl Plan {
     }
 }
 
-/// Reason why a program does not start.
-#[derive(Debug, Error)]
-pub enum StartError {
-    /// Its command has no words.
-    #[error("it has no name")]
-    NoName,
-    /// It has no pipe to one of its standard streams.
-    #[error("no pipe")]
-    NoPipe,
-    /// The system refuses it.
-    #[error(transparent)]
-    System(#[from] io::Error),
-    /// Its pipes cannot be used.
-    #[error(transparent)]
-    Channel(#[from] ChannelError),
-    /// The process of a unit cannot be started.
-    #[error(transparent)]
-    Unit(#[from] fmi::UnitError),
-}
-
 /// A program that runs.
 pub(super) struct Process {
     child: Child,
@@ -80,13 +58,13 @@ pub(super) struct Process {
 }
 
 impl Process {
-    /// Starts it.
-    pub(super) fn start<Q: Pod, A: Pod>(plan: &Plan) -> Result<(Self, Channel<Q, A>), StartError> {
-        let (name, arguments) = plan.command.split_first().ok_or(StartError::NoName)?;
+    pub(super) fn start<Q: Pod, A: Pod>(plan: &Plan) -> io::Result<(Self, Channel<Q, A>)> {
+        let no_name = || io::Error::other("it has no name");
+        let (name, arguments) = plan.command.split_first().ok_or_else(no_name)?;
         let place = plan.directory.join(name);
         let mut command = match name.contains('/') {
             _ if fmi::is_unit(name) => {
-                let host = fmi::host(plan.part)?;
+                let host = fmi::host(plan.part).map_err(io::Error::other)?;
                 let mut command = Command::new(&host[0]);
                 command.args(&host[1..]).arg(place);
                 command
@@ -116,17 +94,17 @@ impl Process {
     }
 
     /// Takes its pipes: the channel, and a thread that reads its standard error.
-    fn open<Q: Pod, A: Pod>(&mut self, plan: &Plan) -> Result<Channel<Q, A>, StartError> {
-        let questions = self.child.stdin.take().ok_or(StartError::NoPipe)?;
-        let answers = self.child.stdout.take().ok_or(StartError::NoPipe)?;
-        let errors = self.child.stderr.take().ok_or(StartError::NoPipe)?;
+    fn open<Q: Pod, A: Pod>(&mut self, plan: &Plan) -> io::Result<Channel<Q, A>> {
+        let questions = self.child.stdin.take().expect("piped");
+        let answers = self.child.stdout.take().expect("piped");
+        let errors = self.child.stderr.take().expect("piped");
         let (words, part) = (Arc::clone(&self.words), plan.part);
         let is_unit = plan.command.first().is_some_and(|name| fmi::is_unit(name));
         std::thread::Builder::new()
             .name("program-words".into())
             .stack_size(128 << 10)
             .spawn(move || read_errors(errors, &words, part, is_unit))?;
-        Ok(Channel::new(questions.into(), answers.into())?)
+        Channel::new(questions.into(), answers.into())
     }
 
     pub(super) fn pid(&self) -> u32 {

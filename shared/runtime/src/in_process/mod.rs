@@ -130,7 +130,7 @@ impl InProcess {
         let (pause, desk) = (Pause::default(), Desk::default());
         let seat = Seat::new(Rc::clone(&self.bus), Some(pause.clone()));
         let link = Link::in_memory(desk.clone(), pause.clone());
-        let end = link.end.clone();
+        let end = link.orders.end.clone();
         let (group, scenario) = (self.group.clone(), scenario.clone());
         let runtime = Runtime::join_in_process(service, group, scenario, seat, link);
         let task = Task::new(pause, move || entry(runtime))?;

@@ -14,11 +14,8 @@ pub struct Group {
     pub root: PathBuf,
     /// Prefix of the run's shared-memory objects.
     pub prefix: String,
-    /// Clock.
     pub mode: Mode,
-    /// Periods.
     pub timetable: Timetable,
-    /// Services that have a standby.
     pub standby: Vec<Service>,
     /// Wall time after which a wait for a due sample gives up in lockstep, ns.
     pub patience_ns: i64,

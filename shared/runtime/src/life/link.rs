@@ -17,6 +17,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel, sync_channel};
+use std::time::Duration;
 
 /// The common start instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,17 +100,21 @@ impl End {
 #[derive(Debug)]
 pub struct Link {
     way: Way,
-    pub(crate) end: End,
+    pub(crate) orders: Orders,
     /// The launcher's faults.
     pub(crate) injected: Option<Receiver<Injected>>,
+}
+
+/// Orders of the launcher that act at any time, shared with the thread that reads them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Orders {
+    pub(crate) end: End,
     /// A process joined the group.
     pub(crate) joined: Arc<AtomicBool>,
     /// The vehicle is to be brought to a stop.
     pub(crate) safe_stop: Arc<AtomicBool>,
     /// Slot in which a standby finds the order to take over.
     pub(crate) take_over: OrderSlot,
-    /// The order to take part, of a process that was started ahead.
-    joins: Option<Receiver<()>>,
     /// The thread that reads; 0 without one.
     thread: Arc<AtomicI32>,
 }
@@ -117,8 +122,8 @@ pub struct Link {
 /// Way of the link's messages.
 #[derive(Debug)]
 enum Way {
-    /// By the standard streams; the start order comes from the thread that reads them.
-    Streams(Receiver<StartOrder>),
+    /// By the standard streams. The orders to join and to start come from the thread that reads them.
+    Streams(Receiver<ToService>),
     /// In memory, between services that take turns.
     Memory(Desk, Pause),
 }
@@ -134,22 +139,13 @@ pub(crate) struct Desk {
 impl Link {
     /// The link of a service in the launcher's own thread.
     pub(crate) fn in_memory(desk: Desk, pause: Pause) -> Self {
-        Self {
-            way: Way::Memory(desk, pause),
-            end: End::default(),
-            injected: None,
-            joined: Arc::default(),
-            safe_stop: Arc::default(),
-            take_over: OrderSlot::default(),
-            joins: None,
-            thread: Arc::default(),
-        }
+        Self { way: Way::Memory(desk, pause), orders: Orders::default(), injected: None }
     }
 
     /// Gives the thread that reads the lowest real-time priority. A killed process is gone when all its threads are. On
     /// a busy machine an ordinary thread waits for a processor to end on.
     pub(crate) fn raise_thread(&self) {
-        let thread = self.thread.load(Ordering::Acquire);
+        let thread = self.orders.thread.load(Ordering::Acquire);
         if thread > 0 {
             set_fifo_of(thread, 1);
         }
@@ -161,53 +157,48 @@ impl Link {
     /// # Errors
     /// [`RuntimeError::Setup`].
     pub fn open() -> Result<Self, RuntimeError> {
-        let end = End::default();
-        let joined = Arc::new(AtomicBool::new(false));
-        signal_hook::flag::register(PEER_JOINED, Arc::clone(&joined))
+        let orders = Orders::default();
+        signal_hook::flag::register(PEER_JOINED, Arc::clone(&orders.joined))
             .map_err(RuntimeError::link("signal handler"))?;
-        let (sender, start) = sync_channel(1);
-        let (join, joins) = sync_channel(1);
+        let (sender, receiver) = sync_channel(2);
         let (faults, injected) = channel();
-        let safe_stop = Arc::new(AtomicBool::new(false));
-        let (orders, stop) = (end.clone(), Arc::clone(&safe_stop));
-        let take_over = OrderSlot::default();
-        let slot = take_over.clone();
-        let thread = Arc::new(AtomicI32::new(0));
-        let own = Arc::clone(&thread);
+        let Orders { end, safe_stop, take_over, thread, .. } = orders.clone();
         std::thread::Builder::new()
             .name("link".into())
             .stack_size(128 * 1024)
             .spawn(move || {
-                own.store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
+                thread.store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
                 for line in std::io::stdin().lock().lines() {
                     match line.ok().and_then(|l| serde_json::from_str::<ToService>(&l).ok()) {
-                        // A second order finds the channel full and is of no use.
-                        Some(ToService::Join) => drop(join.try_send(())),
-                        Some(ToService::Start(order)) => drop(sender.try_send(order)),
-                        Some(ToService::StopAfter(step)) => orders.set_before(step + 1),
+                        // A second one finds the channel full or is not looked at.
+                        Some(order @ (ToService::Join | ToService::Start(_))) => {
+                            drop(sender.try_send(order));
+                        }
+                        Some(ToService::StopAfter(step)) => end.set_before(step + 1),
                         Some(ToService::Inject(injected)) => drop(faults.send(injected)),
-                        Some(ToService::TakeOver) => slot.take_over(),
-                        Some(ToService::SafeStop) => stop.store(true, Ordering::Relaxed),
-                        Some(ToService::Abort) | None => orders.set_before(0),
+                        Some(ToService::TakeOver) => take_over.take_over(),
+                        Some(ToService::SafeStop) => safe_stop.store(true, Ordering::Relaxed),
+                        Some(ToService::Abort) | None => end.set_before(0),
                     }
                 }
-                orders.set_before(0);
+                end.set_before(0);
             })
             .map_err(RuntimeError::link("thread"))?;
-        let (way, joins, injected) = (Way::Streams(start), Some(joins), Some(injected));
-        Ok(Self { way, end, injected, joined, safe_stop, take_over, joins, thread })
+        Ok(Self { way: Way::Streams(receiver), orders, injected: Some(injected) })
     }
 
     /// Waits for the order to take part.
     pub(crate) fn wait_to_join(&self) -> Result<(), RuntimeError> {
-        let ordered = self.joins.as_ref().is_some_and(|joins| joins.recv().is_ok());
-        if ordered { Ok(()) } else { Err(RuntimeError::Stopped) }
+        match &self.way {
+            Way::Streams(orders) if orders.recv() == Ok(ToService::Join) => Ok(()),
+            _ => Err(RuntimeError::Stopped),
+        }
     }
 
     /// True once the run was ended.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        self.end.is_now()
+        self.orders.end.is_now()
     }
 
     /// Waits for the start order.
@@ -217,9 +208,10 @@ impl Link {
     pub fn wait_for_start(&self) -> Result<StartOrder, RuntimeError> {
         loop {
             let order = match &self.way {
-                Way::Streams(start) => {
-                    start.recv_timeout(std::time::Duration::from_millis(50)).ok()
-                }
+                Way::Streams(orders) => match orders.recv_timeout(Duration::from_millis(50)) {
+                    Ok(ToService::Start(order)) => Some(order),
+                    _ => None,
+                },
                 Way::Memory(desk, pause) => {
                     pause.wait();
                     desk.start.get()
@@ -227,7 +219,7 @@ impl Link {
             };
             match order {
                 Some(order) => return Ok(order),
-                None if self.end.is_now() => return Err(RuntimeError::Stopped),
+                None if self.orders.end.is_now() => return Err(RuntimeError::Stopped),
                 None => {}
             }
         }
@@ -253,8 +245,8 @@ impl Link {
     /// Waits until the launcher has all reports and closes the run.
     pub(crate) fn wait_for_the_end(&self) {
         // In memory nothing is lost with its sender.
-        while matches!(self.way, Way::Streams(_)) && !self.end.is_now() {
-            std::thread::sleep(std::time::Duration::from_millis(1));
+        while matches!(self.way, Way::Streams(_)) && !self.orders.end.is_now() {
+            std::thread::sleep(Duration::from_millis(1));
         }
     }
 }

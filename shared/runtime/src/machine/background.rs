@@ -25,9 +25,11 @@ pub struct WorkerReport {
 }
 
 /// A thread that answers questions of type `Q` with `A`.
-#[derive(Debug)]
 pub struct BackgroundWorker<Q, A> {
-    worker: Worker<Q, A>,
+    shared: Arc<Shared<Q, A>>,
+    thread: Option<JoinHandle<()>>,
+    /// The work, where the loop's own thread does it at once.
+    inline: Option<Box<dyn FnMut(&Q) -> A>>,
     delay_ns: i64,
     /// Time when the answer to the open question takes effect, run time in ns.
     due_ns: Option<i64>,
@@ -37,29 +39,6 @@ pub struct BackgroundWorker<Q, A> {
     worked: Latencies,
 }
 
-/// The thread that does the work.
-enum Worker<Q, A> {
-    Thread {
-        shared: Arc<Shared<Q, A>>,
-        thread: Option<JoinHandle<()>>,
-    },
-    /// The loop's own thread, which does it at once.
-    Inline {
-        work: Box<dyn FnMut(&Q) -> A>,
-        answer: Option<(A, i64)>,
-    },
-}
-
-impl<Q, A> std::fmt::Debug for Worker<Q, A> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Thread { .. } => "Thread",
-            Self::Inline { .. } => "Inline",
-        })
-    }
-}
-
-#[derive(Debug)]
 struct Shared<Q, A> {
     question: Mutex<Option<Q>>,
     asked: Condvar,
@@ -87,20 +66,20 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         Ok(this)
     }
 
-    fn inline(delay_ns: i64, work: impl FnMut(&Q) -> A + 'static) -> Self {
-        Self::with(Worker::Inline { work: Box::new(work), answer: None }, delay_ns)
+    fn new(delay_ns: i64) -> Self {
+        let (asked, late, worked) = Default::default();
+        let (question, answer) = (Mutex::new(None), Mutex::new(None));
+        let (condition, closed) = (Condvar::new(), AtomicBool::new(false));
+        let shared = Arc::new(Shared { question, asked: condition, answer, closed });
+        let (thread, inline, due_ns) = (None, None, None);
+        let counted_late = false;
+        Self { shared, thread, inline, delay_ns, due_ns, counted_late, asked, late, worked }
     }
 
-    fn with(worker: Worker<Q, A>, delay_ns: i64) -> Self {
-        Self {
-            worker,
-            delay_ns,
-            due_ns: None,
-            counted_late: false,
-            asked: Count::default(),
-            late: Count::default(),
-            worked: Latencies::default(),
-        }
+    fn inline(delay_ns: i64, work: impl FnMut(&Q) -> A + 'static) -> Self {
+        let mut this = Self::new(delay_ns);
+        this.inline = Some(Box::new(work));
+        this
     }
 
     fn in_thread(
@@ -108,18 +87,12 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        let shared = Arc::new(Shared {
-            question: Mutex::new(None),
-            asked: Condvar::new(),
-            answer: Mutex::new(None),
-            closed: AtomicBool::new(false),
-        });
-        let theirs = Arc::clone(&shared);
-        let thread = std::thread::Builder::new()
-            .name(name.into())
-            .spawn(move || theirs.serve(work))
-            .map_err(RuntimeError::setup(format!("thread {name}")))?;
-        Ok(Self::with(Worker::Thread { shared, thread: Some(thread) }, delay_ns))
+        let mut this = Self::new(delay_ns);
+        let theirs = Arc::clone(&this.shared);
+        let thread = std::thread::Builder::new().name(name.into());
+        let thread = thread.spawn(move || theirs.serve(work));
+        this.thread = Some(thread.map_err(RuntimeError::setup(format!("thread {name}")))?);
+        Ok(this)
     }
 
     /// True if a question is open.
@@ -135,16 +108,12 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         if self.is_busy() {
             return Err(question);
         }
-        match &mut self.worker {
-            Worker::Thread { shared, .. } => {
-                match shared.question.try_lock() {
-                    Ok(mut slot) => *slot = Some(question),
-                    Err(_) => return Err(question),
-                }
-                shared.asked.notify_one();
-            }
-            Worker::Inline { work, answer } => *answer = Some(timed(work, &question)),
+        match (&mut self.inline, self.shared.question.try_lock()) {
+            (Some(work), _) => self.shared.put(timed(work, &question)),
+            (None, Ok(mut slot)) => *slot = Some(question),
+            (None, Err(_)) => return Err(question),
         }
+        self.shared.asked.notify_one();
         self.due_ns = Some(release.scheduled_ns + self.delay_ns);
         self.counted_late = false;
         self.asked.add(1);
@@ -156,12 +125,7 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         if self.due_ns.is_none_or(|due_ns| release.scheduled_ns < due_ns) {
             return None;
         }
-        let answer = match &mut self.worker {
-            Worker::Thread { shared, .. } => {
-                shared.answer.try_lock().ok().and_then(|mut slot| slot.take())
-            }
-            Worker::Inline { answer, .. } => answer.take(),
-        };
+        let answer = self.shared.answer.try_lock().ok().and_then(|mut slot| slot.take());
         let Some((answer, worked_ns)) = answer else {
             self.late.add(u64::from(!self.counted_late));
             self.counted_late = true;
@@ -193,9 +157,12 @@ fn timed<Q, A>(work: &mut (impl FnMut(&Q) -> A + ?Sized), question: &Q) -> (A, i
 impl<Q, A> Shared<Q, A> {
     fn serve(&self, mut work: impl FnMut(&Q) -> A) {
         while let Some(question) = self.next() {
-            let answer = timed(&mut work, &question);
-            *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
+            self.put(timed(&mut work, &question));
         }
+    }
+
+    fn put(&self, answer: (A, i64)) {
+        *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
     }
 
     fn next(&self) -> Option<Q> {
@@ -214,13 +181,12 @@ impl<Q, A> Shared<Q, A> {
 
 impl<Q, A> Drop for BackgroundWorker<Q, A> {
     fn drop(&mut self) {
-        let Worker::Thread { shared, thread } = &mut self.worker else { return };
         // Under the lock, so that a thread about to wait sees it.
-        let slot = shared.question.lock().unwrap_or_else(PoisonError::into_inner);
-        shared.closed.store(true, Ordering::Release);
+        let slot = self.shared.question.lock().unwrap_or_else(PoisonError::into_inner);
+        self.shared.closed.store(true, Ordering::Release);
         drop(slot);
-        shared.asked.notify_one();
-        if let Some(thread) = thread.take() {
+        self.shared.asked.notify_one();
+        if let Some(thread) = self.thread.take() {
             // A thread that panicked has said so.
             let _ = thread.join();
         }

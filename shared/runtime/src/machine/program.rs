@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::Read;
-use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
 /// A program of the user's.
@@ -22,46 +21,21 @@ pub struct Program {
 
 /// Reason why a command names no program.
 #[derive(Debug, thiserror::Error)]
-#[error("{}, expected {}", self.message(), self.expected())]
-pub enum ProgramError {
-    /// There are no words.
-    Empty,
-    /// No such file.
-    Missing(String),
-    /// A file that cannot be run.
-    NotExecutable(String),
-    /// A file that cannot be read.
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        reason: std::io::Error,
-    },
+#[error("{message}, expected {expected}")]
+pub struct ProgramError {
+    pub message: String,
+    /// The right form.
+    pub expected: &'static str,
 }
 
 impl ProgramError {
-    /// The fault.
-    pub fn message(&self) -> String {
-        match self {
-            Self::Empty => "no program".to_owned(),
-            Self::Missing(name) => format!("there is no program `{name}`"),
-            Self::NotExecutable(name) => format!("`{name}` is not an executable file"),
-            Self::Unreadable { path, reason } => {
-                format!("cannot read {}: {reason}", path.display())
-            }
-        }
+    fn new(message: impl Into<String>, expected: &'static str) -> Self {
+        Self { message: message.into(), expected }
     }
 
-    /// The right form.
-    pub const fn expected(&self) -> &'static str {
-        match self {
-            Self::Empty => "its name and its arguments, a text each",
-            Self::Missing(_) => "the path of a program or its name on the PATH",
-            Self::NotExecutable(_) => {
-                "one (a script needs a `#!` line and the permission to execute)"
-            }
-            Self::Unreadable { .. } => "a file that can be read",
-        }
+    fn missing(name: &str) -> Self {
+        let expected = "the path of a program or its name on the PATH";
+        Self::new(format!("there is no program `{name}`"), expected)
     }
 }
 
@@ -87,26 +61,23 @@ impl Program {
 
 /// The file that runs when `command` is started in `directory`.
 pub fn executable(command: &[String], directory: &Path) -> Result<PathBuf, ProgramError> {
-    let name = command.first().filter(|name| !name.is_empty()).ok_or(ProgramError::Empty)?;
-    let is_executable = |path: &Path| {
-        path.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
-    };
+    let name = command.first().filter(|name| !name.is_empty()).ok_or_else(|| {
+        ProgramError::new("no program", "its name and its arguments, a text each")
+    })?;
     // A unit of the Functional Mock-up Interface is run by a process of timegap's own.
     let is_unit = fmi::is_unit(name);
     if is_unit || name.contains('/') {
         let path = directory.join(name);
         return match path.metadata() {
-            Err(_) => Err(ProgramError::Missing(name.clone())),
-            Ok(_) if is_unit || is_executable(&path) => Ok(path),
-            Ok(_) => Err(ProgramError::NotExecutable(name.clone())),
+            Err(_) => Err(ProgramError::missing(name)),
+            Ok(_) if is_unit || fmi::is_executable(&path) => Ok(path),
+            Ok(_) => Err(ProgramError::new(
+                format!("`{name}` is not an executable file"),
+                "one (a script needs a `#!` line and the permission to execute)",
+            )),
         };
     }
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let found = std::env::split_paths(&path).map(|place| place.join(name));
-    found
-        .into_iter()
-        .find(|path| is_executable(path))
-        .ok_or_else(|| ProgramError::Missing(name.clone()))
+    fmi::on_path(name).ok_or_else(|| ProgramError::missing(name))
 }
 
 /// The first argument that is a file: what an interpreter runs.
@@ -117,7 +88,10 @@ fn script(command: &[String], directory: &Path) -> Option<PathBuf> {
 
 /// SHA-256 of a file.
 fn digest(path: &Path) -> Result<String, ProgramError> {
-    let error = |reason| ProgramError::Unreadable { path: path.to_owned(), reason };
+    let error = |reason: std::io::Error| {
+        let what = format!("cannot read {}: {reason}", path.display());
+        ProgramError::new(what, "a file that can be read")
+    };
     let mut file = File::open(path).map_err(error)?;
     let (mut hash, mut part) = (Sha256::new(), vec![0; 64 << 10]);
     loop {

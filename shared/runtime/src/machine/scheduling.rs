@@ -16,6 +16,11 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::io;
 
+/// The request for sleeps that end on time without real-time priority.
+pub const TIMER_SLACK: &str = "timer slack of 1 ns";
+/// The request for memory that stays where it is.
+pub const LOCKED_MEMORY: &str = "locked memory";
+
 /// Scheduling policy of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {
@@ -34,10 +39,8 @@ impl fmt::Display for Policy {
     }
 }
 
-/// Request of a service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// Policy.
     pub policy: Policy,
     /// Core to be pinned to.
     pub core: Option<usize>,
@@ -84,8 +87,8 @@ pub struct Granted {
     pub core: Option<usize>,
     /// True if all memory is locked.
     pub memory_locked: bool,
-    /// Requests that were not granted.
-    pub refused: Vec<NotGranted>,
+    /// Requests that were not granted, each with the kernel's reason: `what: why`.
+    pub refused: Vec<String>,
 }
 
 impl Granted {
@@ -98,6 +101,11 @@ impl Granted {
     pub(crate) fn priority(&self, request: &Request) -> u8 {
         if self.requested == self.granted { request.priority() } else { 0 }
     }
+
+    /// The kernel's reason why it refused `what`: [`TIMER_SLACK`], [`LOCKED_MEMORY`] or a policy by its name.
+    pub fn refusal(&self, what: &str) -> Option<&str> {
+        self.refused.iter().find_map(|refused| refused.strip_prefix(what)?.strip_prefix(": "))
+    }
 }
 
 /// The priority of a thread that acts on a loop of this one; 0 beside a loop without.
@@ -109,15 +117,16 @@ pub(crate) fn above(priority: u8) -> u8 {
 #[must_use]
 pub fn apply(request: &Request) -> Granted {
     let mut refused = Vec::new();
-    let mut refuse =
-        |what, why: &dyn fmt::Display| refused.push(NotGranted { what, why: why.to_string() });
+    let mut refuse = |what: &dyn fmt::Display, why: &dyn fmt::Display| {
+        refused.push(format!("{what}: {why}"));
+    };
     if let Err(e) = set_current_timer_slack(std::num::NonZeroU64::new(1)) {
-        refuse(Asked::TimerSlack, &e);
+        refuse(&TIMER_SLACK, &e);
     }
     if let Some(core) = request.core
         && let Err(reason) = pin_to(core)
     {
-        refuse(Asked::Core(core), &reason);
+        refuse(&format_args!("core {core}"), &reason);
     }
     // Pages stay once touched; locking untouched ones too would double the resident set for code
     // that the loop never runs.
@@ -125,14 +134,14 @@ pub fn apply(request: &Request) -> Granted {
         && match mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT) {
             Ok(()) => true,
             Err(e) => {
-                refuse(Asked::LockedMemory, &e);
+                refuse(&LOCKED_MEMORY, &e);
                 false
             }
         };
     if let Policy::Fifo(priority) = request.policy
         && let Err(e) = set_policy_of(0, FIFO, priority)
     {
-        refuse(Asked::Fifo(priority), &e);
+        refuse(&request.policy, &e);
     }
     prefault_stack();
     Granted {
@@ -149,10 +158,8 @@ pub fn apply(request: &Request) -> Granted {
 pub fn lend_to(pid: u32, scenario: &Scenario, service: Service) {
     let Ok(raw) = i32::try_from(pid) else { return };
     let request = Request::of(scenario, service);
-    if let Some(core) = request.core.filter(|&core| core < CpuSet::MAX_CPU) {
-        let mut set = CpuSet::new();
-        set.set(core);
-        let _ = sched_setaffinity(Pid::from_raw(raw), &set);
+    if let Some(core) = request.core {
+        let _ = pin(Pid::from_raw(raw), core);
     }
     let below = below_services(scenario);
     if below > 0 {
@@ -252,12 +259,16 @@ pub fn set_deadline(runtime_ns: u64, period_ns: u64) -> io::Result<()> {
 
 /// Pins the calling thread to `core`.
 pub fn pin_to(core: usize) -> io::Result<()> {
+    pin(None, core)
+}
+
+fn pin(pid: Option<Pid>, core: usize) -> io::Result<()> {
     if core >= CpuSet::MAX_CPU {
         return Err(io::Error::other(format!("there is no core {core}")));
     }
     let mut set = CpuSet::new();
     set.set(core);
-    Ok(sched_setaffinity(None, &set)?)
+    Ok(sched_setaffinity(pid, &set)?)
 }
 
 /// Cores that this thread may run on.
@@ -308,76 +319,6 @@ fn prefault_stack() {
     std::hint::black_box(&mut stack);
 }
 
-/// A request to the kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Asked {
-    /// Sleeps that end on time without real-time priority.
-    TimerSlack,
-    /// This core.
-    Core(usize),
-    /// Memory that stays where it is.
-    LockedMemory,
-    /// `SCHED_FIFO` with this priority.
-    Fifo(u8),
-}
-
-const TIMER_SLACK: &str = "timer slack of 1 ns";
-const LOCKED_MEMORY: &str = "locked memory";
-
-impl fmt::Display for Asked {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TimerSlack => f.write_str(TIMER_SLACK),
-            Self::Core(core) => write!(f, "core {core}"),
-            Self::LockedMemory => f.write_str(LOCKED_MEMORY),
-            Self::Fifo(priority) => write!(f, "fifo:{priority}"),
-        }
-    }
-}
-
-/// Something that the kernel did not grant. In JSON it is one text, `what: why`.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub struct NotGranted {
-    /// The request.
-    pub what: Asked,
-    /// The kernel's reason.
-    pub why: String,
-}
-
-impl fmt::Display for NotGranted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.what, self.why)
-    }
-}
-
-impl From<NotGranted> for String {
-    fn from(refused: NotGranted) -> Self {
-        refused.to_string()
-    }
-}
-
-impl TryFrom<String> for NotGranted {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        let what = |name: &str| match name {
-            TIMER_SLACK => Some(Asked::TimerSlack),
-            LOCKED_MEMORY => Some(Asked::LockedMemory),
-            _ => match (name.strip_prefix("core "), name.strip_prefix("fifo:")) {
-                (Some(core), _) => core.parse().ok().map(Asked::Core),
-                (None, Some(priority)) => priority.parse().ok().map(Asked::Fifo),
-                (None, None) => None,
-            },
-        };
-        let parts = text.split_once(": ").and_then(|(name, why)| Some((what(name)?, why)));
-        match parts {
-            Some((what, why)) => Ok(Self { what, why: why.to_owned() }),
-            None => Err(format!("`{text}` is nothing that is asked of the kernel")),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -400,19 +341,7 @@ mod tests {
         let request = Request { policy: Policy::Other, core: Some(1023), lock_memory: false };
         let granted = std::thread::spawn(move || apply(&request)).join().expect("no panic");
         assert_eq!(granted.granted, "other");
-        assert!(
-            granted.refused.iter().any(|refused| refused.what == Asked::Core(1023)),
-            "{granted:?}"
-        );
-    }
-
-    #[test]
-    fn a_refusal_is_read_back_as_it_was_written() {
-        let asked = [Asked::TimerSlack, Asked::Core(3), Asked::LockedMemory, Asked::Fifo(80)];
-        for what in asked {
-            let refused = NotGranted { what, why: "no: not here".into() };
-            assert_eq!(NotGranted::try_from(refused.to_string()), Ok(refused));
-        }
-        assert!(NotGranted::try_from("core x: no".to_owned()).is_err());
+        assert!(granted.refusal("core 1023").is_some_and(|why| !why.is_empty()), "{granted:?}");
+        assert_eq!((granted.refusal("core 102"), granted.refusal("core 1")), (None, None));
     }
 }

@@ -35,7 +35,6 @@ impl Usage {
         }
     }
 
-    /// The use since `earlier`.
     pub fn since(&self, earlier: &Self) -> Self {
         let since = |now: u32, then: u32| now.wrapping_sub(then);
         Self {

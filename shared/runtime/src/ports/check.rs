@@ -2,9 +2,8 @@
 
 use super::Tally;
 use crate::Clock;
-use crate::ports::members::Members;
-use crate::survival::fence::Fences;
-use crate::transport::{Arrival, Held, SenderId};
+use crate::survival::fence::Peers;
+use crate::transport::{Arrival, Held};
 use messages::e2e::{Channel, profile7};
 use messages::{Header, Message, Service};
 use std::cell::RefCell;
@@ -12,9 +11,6 @@ use std::rc::Rc;
 
 /// Periods of its source after which a topic without a message counts as silent.
 const SILENCE: f64 = 1.5;
-
-/// Senders that a port keeps. A group restarts its services less often than that in any while.
-const REMEMBERED_SENDERS: usize = 16;
 
 /// Expected period of messages of a topic in a group.
 #[derive(Clone, Copy, Debug)]
@@ -30,17 +26,13 @@ pub(crate) struct Expected {
 /// The checks of one receiving end.
 #[derive(Debug)]
 pub(crate) struct Check {
-    /// `None` in the memory of one process, in which each sender is known and no message is lost.
-    members: Option<Rc<Members>>,
-    /// Senders that were looked up, and whether they belong to the group.
-    senders: [Option<(SenderId, bool)>; REMEMBERED_SENDERS],
-    next_sender: usize,
+    /// The members of the group and their epochs. `None` in the memory of one process, in which each sender is known
+    /// and no message is lost.
+    peers: Option<Peers>,
     /// Incarnation and sequence number of the last message of each source.
     last: [(u32, u64); Service::ALL.len() + 1],
     /// `None` where nothing can happen to a message on its way: each one passes.
     channels: Option<[Channel; Service::ALL.len() + 1]>,
-    /// The processes that may send for the services with a standby.
-    pub(crate) fences: Option<Fences>,
     /// `None` for an observer, which has no part in the run's time.
     pub(crate) clock: Option<Rc<Clock>>,
     /// `None` if every service sends, or if no service does.
@@ -51,19 +43,12 @@ pub(crate) struct Check {
 }
 
 impl Check {
-    /// The check of messages of `members`, or of those in memory. Each message is judged if `is_judged`.
-    pub(crate) fn new(
-        members: Option<Rc<Members>>,
-        is_judged: bool,
-        tally: Rc<RefCell<Tally>>,
-    ) -> Self {
+    /// The check of messages of `peers`, or of those in memory. Each message is judged if `is_judged`.
+    pub(crate) fn new(peers: Option<&Peers>, is_judged: bool, tally: Rc<RefCell<Tally>>) -> Self {
         Self {
-            members,
-            senders: [None; REMEMBERED_SENDERS],
-            next_sender: 0,
+            peers: peers.cloned(),
             last: [(0, 0); Service::ALL.len() + 1],
             channels: is_judged.then(Default::default),
-            fences: None,
             clock: None,
             expected: None,
             heard_ns: 0,
@@ -74,39 +59,27 @@ impl Check {
     /// Counts messages that arrived, the newest with this header; false if they are not of a member of the group.
     pub(crate) fn admit<T: Message>(&mut self, header: &Header, arrival: &Arrival) -> bool {
         let &Header { source, incarnation, sequence, .. } = header;
-        if arrival.sender.is_some_and(|id| !self.knows::<T>(id, source, incarnation)) {
-            self.tally.borrow_mut().e2e.unknown_sender += 1;
-            return false;
-        }
         let mut tally = self.tally.borrow_mut();
+        if let (Some(pid), Some(peers)) = (arrival.pid, &self.peers) {
+            let sources = T::TOPIC.sources();
+            let may_send = |service: &Service| service.to_wire() == source;
+            if !(sources.is_empty() || sources.iter().any(may_send))
+                || !peers.words.is_member(source, incarnation, pid)
+            {
+                tally.e2e.unknown_sender += 1;
+                return false;
+            }
+            if let Some(last) = self.last.get_mut(source as usize) {
+                // A new incarnation counts from 1 again; the first sample of a late joiner is not a loss.
+                if last.0 == incarnation && last.1 > 0 {
+                    tally.lost += sequence.saturating_sub(last.1 + 1);
+                }
+                *last = (incarnation, sequence);
+            }
+        }
         tally.copied_bytes += arrival.copied_bytes as u64;
         tally.messages += arrival.messages;
-        if arrival.sender.is_some()
-            && let Some(last) = self.last.get_mut(source as usize)
-        {
-            // A new incarnation counts from 1 again; the first sample of a late joiner is not a loss.
-            if last.0 == incarnation && last.1 > 0 {
-                tally.lost += sequence.saturating_sub(last.1 + 1);
-            }
-            *last = (incarnation, sequence);
-        }
         true
-    }
-
-    /// True if `sender` is the process that the header names.
-    fn knows<T: Message>(&mut self, sender: SenderId, source: u32, incarnation: u32) -> bool {
-        if let Some((_, belongs)) = self.senders.iter().flatten().find(|(id, _)| *id == sender) {
-            return *belongs;
-        }
-        let sources = T::TOPIC.sources();
-        let allowed =
-            sources.is_empty() || sources.iter().any(|service| service.to_wire() == source);
-        let belongs = allowed
-            && (self.members.as_ref())
-                .is_some_and(|members| members.is_member(source, incarnation, sender.pid()));
-        self.senders[self.next_sender] = Some((sender, belongs));
-        self.next_sender = (self.next_sender + 1) % REMEMBERED_SENDERS;
-        belongs
     }
 
     /// True if the message may be used, which stands for `messages` since the last look; counts the outcome. Stamps
@@ -116,7 +89,7 @@ impl Check {
             None => self.tally.borrow_mut().e2e.ok += messages,
             Some(channels) => {
                 let tally = &mut self.tally.borrow_mut();
-                if !is_accepted(channels, self.fences.as_ref(), tally, incoming) {
+                if !is_accepted(channels, self.peers.as_ref(), tally, incoming) {
                     return false;
                 }
             }
@@ -161,7 +134,7 @@ impl Check {
 /// True if epoch and end-to-end protection accept the message; counts the outcome.
 fn is_accepted<T: Message>(
     channels: &mut [Channel],
-    fences: Option<&Fences>,
+    peers: Option<&Peers>,
     tally: &mut Tally,
     incoming: &Held<T>,
 ) -> bool {
@@ -177,16 +150,12 @@ fn is_accepted<T: Message>(
     };
     let bytes = bytemuck::bytes_of(sample);
     let bytes = profile7::protected(bytes, T::LAYOUT.bytes_in_use(bytes));
-    if fences.is_some_and(|fences| !fences.accept(source, header.incarnation)) {
+    if peers.is_some_and(|peers| !peers.accept(source, header.incarnation)) {
         // A message of a process that its standby has replaced.
         tally.e2e.wrong_sequence += 1;
         return false;
     }
-    let (data_id, incarnation) = (T::TOPIC.data_id(source), header.incarnation);
-    match incoming.is_as_sent() {
-        true => channel.accept_as_sent(bytes, data_id, incarnation, &mut tally.e2e),
-        false => channel.accept(bytes, data_id, incarnation, &mut tally.e2e),
-    }
+    channel.accept(bytes, T::TOPIC.data_id(source), header.incarnation, &mut tally.e2e)
 }
 
 /// Acquisition and publication of a message whose stamps are later than its arrival at `now_ns`.

@@ -10,17 +10,16 @@
 //! [`Loan`](crate::Loan) and what delivers belong to the carrier (`transport`). A [`Publisher`] seals, a [`Subscriber`] checks
 //! ([`check`]). What stands in brackets acts only where faults do ([`crate::faults`]).
 
-mod bystanders;
 mod check;
+pub mod guest;
 pub mod members;
 mod publisher;
 mod registry;
 mod subscriber;
 
-pub use bystanders::{Observed, Observer, Played, Player, Tap, Tapped};
 pub(super) use check::{Check, Expected};
 pub use publisher::Publisher;
-pub(super) use publisher::{Backlog, Protection, Seal};
+pub(super) use publisher::{Backlog, Seal};
 pub(super) use registry::Ports;
 pub use subscriber::Subscriber;
 

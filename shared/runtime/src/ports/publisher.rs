@@ -4,7 +4,7 @@ use super::Tally;
 use crate::faults::Falsified;
 use crate::survival::fence::{Gate, Passage};
 use crate::transport::waking::Waker;
-use crate::transport::{Loan, Outlet};
+use crate::transport::{Loan, Sender};
 use crate::{Clock, RuntimeError, Timetable};
 use messages::e2e::profile7;
 use messages::{Message, Service};
@@ -42,7 +42,7 @@ impl<T: Message> Publisher<T> {
     /// # Errors
     /// As [`Self::loan`].
     pub fn loan_used(&self) -> Result<Loan<T>, RuntimeError> {
-        let loan = self.0.borrow().outlet.loan();
+        let loan = self.0.borrow().port.loan();
         loan.map_err(RuntimeError::topic("send on", T::TOPIC))
     }
 
@@ -71,12 +71,13 @@ const DRAIN_STEPS: u64 = 16;
 /// Completes messages and hands them over. A standby does not: it keeps the newest one until it takes over.
 #[derive(Debug)]
 pub(crate) struct Seal<T: Message> {
-    pub(crate) outlet: Outlet<T>,
+    pub(crate) port: Rc<Sender>,
     /// Wakes the receivers, and when.
     pub(crate) waker: Option<(Waker, Timetable)>,
     /// Faults of the content; `None` where none can come to act.
     pub(crate) falsified: Option<Falsified<T>>,
-    pub(crate) protection: Protection,
+    /// Messages get their end-to-end protection, and a place in the digest.
+    pub(crate) protects: bool,
     pub(crate) clock: Rc<Clock>,
     pub(crate) source: Service,
     pub(crate) incarnation: u32,
@@ -84,16 +85,6 @@ pub(crate) struct Seal<T: Message> {
     pub(crate) gate: Rc<Gate>,
     /// A standby's newest message.
     pub(crate) held: Option<Loan<T>>,
-}
-
-/// Parts of the end-to-end protection that a message gets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Protection {
-    Full,
-    /// All but the CRC.
-    Mark,
-    /// Nothing: no reader looks at it.
-    Nothing,
 }
 
 /// A port with a message that was kept back.
@@ -137,8 +128,15 @@ impl<T: Message> Seal<T> {
         if let Some(falsified) = &mut self.falsified {
             falsified.apply(&mut message, now_ns);
         }
-        self.protect(&mut message, sequence as u32);
-        let sent = self.outlet.send(message);
+        if self.protects {
+            let data_id = T::TOPIC.data_id(self.source.to_wire());
+            let bytes = bytemuck::bytes_of_mut(&mut *message);
+            let in_use = T::LAYOUT.bytes_in_use(bytes);
+            // The counter is the sequence number's low half: it wraps.
+            profile7::protect(&mut bytes[..in_use], data_id, sequence as u32);
+            self.tally.borrow_mut().digest(&bytes[..in_use]);
+        }
+        let sent = self.port.send(message);
         sent.map_err(RuntimeError::topic("send on", T::TOPIC))?;
         if let Some((waker, timetable)) = &self.waker
             && (timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))
@@ -146,21 +144,5 @@ impl<T: Message> Seal<T> {
             waker.wake();
         }
         Ok(now_ns)
-    }
-
-    /// Protects the bytes in use. The counter is the sequence number's low half: it wraps.
-    fn protect(&self, message: &mut T, counter: u32) {
-        if self.protection == Protection::Nothing {
-            return;
-        }
-        let data_id = T::TOPIC.data_id(self.source.to_wire());
-        let bytes = bytemuck::bytes_of_mut(message);
-        let in_use = T::LAYOUT.bytes_in_use(bytes);
-        let bytes = &mut bytes[..in_use];
-        match self.protection {
-            Protection::Full => profile7::protect(bytes, data_id, counter),
-            Protection::Mark | Protection::Nothing => profile7::mark(bytes, data_id, counter),
-        }
-        self.tally.borrow_mut().digest(bytes);
     }
 }

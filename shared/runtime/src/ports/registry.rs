@@ -2,11 +2,9 @@
 
 use super::{Backlog, Counted, Tally};
 use crate::RuntimeError;
-use crate::ports::members::Members;
 use crate::report::{ReceivedTopic, SentTopic};
-use crate::survival::fence::Fences;
-use crate::transport::{Inlet, Outlet, Receiver, Sender, Transport};
-use messages::{Message, Topic};
+use crate::transport::{Receiver, Sender, Transport};
+use messages::Topic;
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -14,14 +12,10 @@ use std::rc::Rc;
 #[derive(Debug)]
 pub(crate) struct Ports {
     pub(crate) transport: Transport,
-    /// `None` in the memory of one process, in which each sender is known.
-    pub(crate) members: Option<Rc<Members>>,
-    pub(crate) fences: Option<Fences>,
     /// Counts of the sending ends.
     pub(crate) sent: Vec<Counted>,
     /// Counts of the receiving ends.
     pub(crate) received: Vec<Counted>,
-    /// The ends in shared memory, which are connected.
     senders: Vec<(Topic, Rc<Sender>)>,
     receivers: Vec<(Topic, Rc<Receiver>)>,
     /// Messages that the ports keep back while this process is a standby.
@@ -30,26 +24,20 @@ pub(crate) struct Ports {
 
 impl Ports {
     /// No ports yet, on this carrier.
-    pub(crate) fn new(
-        transport: Transport,
-        members: Option<Members>,
-        fences: Option<Fences>,
-    ) -> Self {
-        let members = members.map(Rc::new);
+    pub(crate) fn new(transport: Transport) -> Self {
         let (sent, received, senders, receivers, backlogs) = Default::default();
-        Self { transport, members, fences, sent, received, senders, receivers, backlogs }
+        Self { transport, sent, received, senders, receivers, backlogs }
     }
 
     /// Enters a sending end, which counts in `tally`.
-    pub(crate) fn enter_sender<T: Message>(
+    pub(crate) fn enter_sender(
         &mut self,
-        outlet: &Outlet<T>,
+        topic: Topic,
+        port: &Rc<Sender>,
         tally: &Rc<RefCell<Tally>>,
     ) {
-        self.sent.push((T::TOPIC, Rc::clone(tally)));
-        if let Outlet::SharedMemory(port) = outlet {
-            self.senders.push((T::TOPIC, Rc::clone(port)));
-        }
+        self.sent.push((topic, Rc::clone(tally)));
+        self.senders.push((topic, Rc::clone(port)));
     }
 
     /// Enters the message that a sending end keeps back.
@@ -58,15 +46,14 @@ impl Ports {
     }
 
     /// Enters a receiving end, which counts in `tally`.
-    pub(crate) fn enter_receiver<T: Message>(
+    pub(crate) fn enter_receiver(
         &mut self,
-        inlet: &Inlet<T>,
+        topic: Topic,
+        port: &Rc<Receiver>,
         tally: &Rc<RefCell<Tally>>,
     ) {
-        self.received.push((T::TOPIC, Rc::clone(tally)));
-        if let Inlet::SharedMemory(port) = inlet {
-            self.receivers.push((T::TOPIC, Rc::clone(port)));
-        }
+        self.received.push((topic, Rc::clone(tally)));
+        self.receivers.push((topic, Rc::clone(port)));
     }
 
     /// Connects all ports to the other ends that exist.

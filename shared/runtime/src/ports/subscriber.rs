@@ -4,8 +4,9 @@ use super::Tally;
 use super::check::Check;
 use crate::faults::Disturbed;
 use crate::life::link::End;
-use crate::transport::waking::{Ticket, Waiter};
-use crate::transport::{Held, Inlet};
+use crate::report::ReceivedTopic;
+use crate::transport::waking::Waiter;
+use crate::transport::{Held, Receiver};
 use crate::{RuntimeError, TransportError};
 use messages::{Message, Origin};
 use std::cell::RefCell;
@@ -16,7 +17,7 @@ use std::time::{Duration, Instant};
 /// The receiving end of `T`'s topic. It keeps the newest sample that passed all checks and is not of a later step.
 #[derive(Debug)]
 pub struct Subscriber<T: Message> {
-    inlet: Inlet<T>,
+    port: Rc<Receiver>,
     waiter: Option<Waiter>,
     newest: Held<T>,
     /// The sample that is looked at.
@@ -30,13 +31,13 @@ pub struct Subscriber<T: Message> {
     /// Faults of the channel; `None` where none can come to act, and none waits for these messages.
     disturbed: Option<Disturbed<T>>,
     check: Check,
-    pub(super) tally: Rc<RefCell<Tally>>,
+    tally: Rc<RefCell<Tally>>,
 }
 
 impl<T: Message> Subscriber<T> {
-    /// A receiving end behind `inlet`. It can wait if it has a waiter.
+    /// A receiving end behind `port`. It can wait if it has a waiter.
     pub(crate) fn new(
-        inlet: Inlet<T>,
+        port: Rc<Receiver>,
         waiter: Option<Waiter>,
         disturbed: Option<Disturbed<T>>,
         check: Check,
@@ -44,10 +45,10 @@ impl<T: Message> Subscriber<T> {
     ) -> Self {
         Self {
             waiter,
-            newest: inlet.room(),
-            incoming: inlet.room(),
-            ahead: inlet.room(),
-            inlet,
+            newest: port.room(),
+            incoming: port.room(),
+            ahead: port.room(),
+            port,
             arrived_step: None,
             origin: Origin::NONE,
             disturbed,
@@ -72,9 +73,22 @@ impl<T: Message> Subscriber<T> {
         self.newest().map_or(Origin::NONE, |_| self.origin)
     }
 
+    /// Takes all samples that arrived, calling `each` on every one that may be used, in order.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn drain(&mut self, each: impl FnMut(&T)) -> Result<(), RuntimeError> {
+        self.drain_to(u64::MAX, each)
+    }
+
+    /// Samples received so far.
+    pub fn received(&self) -> ReceivedTopic {
+        self.tally.borrow().received(T::TOPIC)
+    }
+
     /// Takes all samples up to `step`, calling `each` on every one that may be used, in order. Where the carrier has
     /// the newest one alone, that one stands for those since the last look.
-    pub(crate) fn drain(
+    pub(crate) fn drain_to(
         &mut self,
         step: u64,
         mut each: impl FnMut(&T),
@@ -111,7 +125,7 @@ impl<T: Message> Subscriber<T> {
         }
         loop {
             self.incoming.clear();
-            let arrival = self.inlet.receive(&mut self.incoming).map_err(refused::<T>)?;
+            let arrival = self.port.receive(&mut self.incoming).map_err(refused::<T>)?;
             let Some((arrival, sample)) = arrival.zip(self.incoming.get()) else { return Ok(None) };
             if self.check.admit::<T>(sample.header(), &arrival) {
                 return Ok(Some(arrival.messages));
@@ -168,7 +182,7 @@ impl<T: Message> Subscriber<T> {
         let mut since = None;
         loop {
             let ticket = self.ticket();
-            self.drain(step, |_| {})?;
+            self.drain_to(step, |_| {})?;
             if self.arrived_step.is_some_and(|arrived| arrived >= due) {
                 return Ok(());
             }
@@ -196,7 +210,7 @@ impl<T: Message> Subscriber<T> {
         let mut since = None;
         loop {
             let ticket = self.ticket();
-            while self.inlet.receive(&mut self.incoming).map_err(refused::<T>)?.is_some() {
+            while self.port.receive(&mut self.incoming).map_err(refused::<T>)?.is_some() {
                 let sent = self.incoming.get().map(|sample| Origin::of(sample.header()));
                 if let Some(sent) = sent.filter(|sent| named(*sent)) {
                     self.check.move_back(&mut self.incoming);
@@ -215,7 +229,7 @@ impl<T: Message> Subscriber<T> {
     fn wait_for(
         &self,
         step: u64,
-        ticket: Ticket,
+        ticket: u32,
         since: &mut Option<Instant>,
         patience: Duration,
     ) -> Result<(), RuntimeError> {
@@ -232,12 +246,12 @@ impl<T: Message> Subscriber<T> {
     }
 
     /// To be taken before a look at the topic that may end in a wait.
-    pub(crate) fn ticket(&self) -> Ticket {
+    pub(crate) fn ticket(&self) -> u32 {
         self.waiter().ticket()
     }
 
     /// Waits for a sample sent since `ticket` was taken, at most for `timeout`.
-    pub(crate) fn wait(&self, ticket: Ticket, timeout: Duration) -> Result<(), RuntimeError> {
+    pub(crate) fn wait(&self, ticket: u32, timeout: Duration) -> Result<(), RuntimeError> {
         self.waiter()
             .wait(ticket, timeout)
             .map_err(|reason| refused::<T>(TransportError::System("waiting", reason)))

@@ -96,7 +96,6 @@ impl Clock {
         self.step_ns * i64::try_from(step).expect("a run has fewer than 2^63 steps")
     }
 
-    /// The mode.
     pub fn mode(&self) -> Mode {
         self.mode
     }

@@ -18,7 +18,6 @@ pub enum Overrun {
 /// One release of a service.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Release {
-    /// Simulation step.
     pub step: u64,
     /// Time of the step, s of run time.
     pub time_s: f64,
@@ -38,7 +37,6 @@ pub(crate) struct Cycles {
     service: Service,
     /// The releases of a recorded run, for a replay.
     pub(crate) schedule: Option<Schedule>,
-    /// The present step.
     pub(crate) step: u64,
     pub(crate) next_step: u64,
     /// Cycles run, and releases left out.
@@ -84,7 +82,6 @@ impl Cycles {
         self.clock.sleep_until_run_time(self.clock.scheduled_ns(self.next_step));
     }
 
-    /// Period of the service, ns.
     pub(crate) fn period_ns(&self) -> i64 {
         self.timetable.period_ns(self.service)
     }

@@ -16,7 +16,6 @@ use std::path::{Path, PathBuf};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct ScheduledRelease {
-    /// Simulation step.
     pub step: u64,
     /// Time when the cycle began to work on its inputs, ns of run time.
     pub start_ns: i64,

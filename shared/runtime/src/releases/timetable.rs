@@ -11,7 +11,6 @@ pub struct Timetable {
     pub step_ns: i64,
     /// Steps between two releases of each service, in the order of [`Service::ALL`].
     pub strides: [u64; Service::ALL.len()],
-    /// Last step of the run.
     pub last_step: u64,
 }
 
@@ -64,7 +63,6 @@ impl Timetable {
         topic.consumers().iter().any(|&consumer| self.is_due(consumer, step))
     }
 
-    /// Period of `service`, ns.
     pub fn period_ns(&self, service: Service) -> i64 {
         let stride = i64::try_from(self.stride(service)).expect("strides are small");
         self.step_ns * stride

@@ -63,7 +63,7 @@ impl Runtime {
     /// ends meanwhile.
     pub fn update<T: Message>(&self, topic: &mut Subscriber<T>) -> Result<(), RuntimeError> {
         let patience = Duration::from_nanos(self.group.patience_ns.unsigned_abs());
-        let (step, end) = (self.cycles.step, &self.life.link.end);
+        let (step, end) = (self.cycles.step, &self.life.link.orders.end);
         if let Some(origin) = self.cycles.recorded_input(T::TOPIC) {
             return topic.await_sample(origin, step, end, patience);
         }
@@ -71,7 +71,7 @@ impl Runtime {
             (Mode::Lockstep, Some(stride)) => {
                 topic.await_step(step - step % stride, step, end, patience)?;
             }
-            _ => topic.drain(u64::MAX, |_| {})?,
+            _ => topic.drain(|_| {})?,
         }
         topic.settle(self.clock().now_ns());
         Ok(())
@@ -94,13 +94,12 @@ impl Runtime {
                 message.state = state as u64;
             })?;
         }
-        let counted = (!self.is_standby()).then(|| self.survival.counted(cycles, self.skipped()));
-        if let Some(account) = self.survival.counts.account() {
-            account.show_progress(cycles);
-            if let Some(counted) = counted {
-                let ports = (&*self.ports.sent, &*self.ports.received);
-                account.write(counted, ports, &self.injection.faults);
-            }
+        let counted = self.survival.counted(cycles, self.skipped());
+        let speaks = !self.is_standby();
+        self.survival.counts.show_progress(cycles);
+        if let Some(account) = self.survival.account.as_mut().filter(|_| speaks) {
+            let ports = (&*self.ports.sent, &*self.ports.received);
+            account.write(counted, ports, &self.injection.faults)?;
         }
         Ok(())
     }
@@ -108,7 +107,7 @@ impl Runtime {
     /// Ends the run for the whole group after the current step: for the plant's referee.
     pub fn end_run(&mut self) -> Result<(), RuntimeError> {
         let step = self.cycles.step;
-        self.life.link.end.set_before(step + 1);
+        self.life.link.orders.end.set_before(step + 1);
         self.life.link.send(FromService::Ended(step))
     }
 }

@@ -13,12 +13,10 @@ use crate::faults::Faults;
 use crate::life::link::Link;
 use crate::machine::scheduling::Granted;
 use crate::ports::Ports;
-use crate::ports::members::Members;
 use crate::releases::cycles::Cycles;
 use crate::releases::schedule::Schedule;
 use crate::survival::Survival;
 use crate::survival::checkpoint::{Checkpoint, state_path};
-use crate::survival::fence::Fences;
 use crate::transport::{Carrier, Seat, SharedMemory, Transport, Turns};
 use crate::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber, Usage};
 use messages::{EgoTruth, Heartbeat, Service};
@@ -82,15 +80,13 @@ impl Runtime {
         let schedule = Schedule::read(&group.root, service)?;
         wait(&link)?;
         let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);
-        let members = Some(Members::of(&group.root));
-        let fences = Fences::of(&group)?;
         let counts = match group.mode {
             Mode::Realtime => ServiceCounts::open(&group, service)?,
             Mode::Lockstep => ServiceCounts::default(),
         };
         let jitter = counts.figures().latencies(RELEASE_JITTER)?;
-        let survival = Survival::new(counts, fences.clone(), service, incarnation);
-        let ports = Ports::new(transport, members, fences);
+        let survival = Survival::new(counts, transport.peers().cloned(), service, incarnation);
+        let ports = Ports::new(transport);
         let mut this = Self::of(service, incarnation, group, scenario, ports, survival, link);
         this.cycles.schedule = schedule;
         this.cycles.jitter = jitter;
@@ -106,7 +102,7 @@ impl Runtime {
         link: Link,
     ) -> Self {
         let survival = Survival::new(ServiceCounts::default(), None, service, 0);
-        let ports = Ports::new(Transport::Memory(seat), None, None);
+        let ports = Ports::new(Transport::Memory(seat));
         Self::of(service, 0, group, scenario, ports, survival, link)
     }
 
@@ -119,7 +115,7 @@ impl Runtime {
         survival: Survival,
         mut link: Link,
     ) -> Self {
-        link.end.set_before(group.timetable.last_step + 1);
+        link.orders.end.set_before(group.timetable.last_step + 1);
         let faults = Rc::new(Faults::of(&scenario, link.injected.take()));
         Self {
             service,
@@ -134,7 +130,6 @@ impl Runtime {
         }
     }
 
-    /// The effective scenario.
     pub fn scenario(&self) -> Scenario {
         self.scenario.clone()
     }
@@ -166,7 +161,7 @@ impl Runtime {
 
     /// True once the launcher asked for a stop in lane.
     pub fn is_to_stop(&self) -> bool {
-        self.life.link.safe_stop.load(Ordering::Relaxed)
+        self.life.link.orders.safe_stop.load(Ordering::Relaxed)
     }
 
     /// This service's turns in a run in one process; none in a process of its own.
@@ -182,7 +177,6 @@ impl Runtime {
         self.ports.transport.carrier()
     }
 
-    /// The clock.
     pub fn clock(&self) -> &Clock {
         &self.cycles.clock
     }

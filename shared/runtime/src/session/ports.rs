@@ -2,7 +2,7 @@
 
 use super::Runtime;
 use crate::faults::{Disturbed, Falsified, Faults};
-use crate::ports::{Check, Expected, Protection, Seal, Tally};
+use crate::ports::{Check, Expected, Seal, Tally};
 use crate::transport::{Carrier, Sealing, Wanted};
 use crate::{Mode, Publisher, RuntimeError, Subscriber};
 use messages::{Message, Topic};
@@ -19,20 +19,16 @@ impl Runtime {
             }
         };
         let transport = &self.ports.transport;
-        let outlet = transport.outlet(self.life.link.end.clone())?;
+        let port = transport.sender(T::TOPIC, self.life.link.orders.end.clone())?;
         let waker = transport.waker(T::TOPIC).filter(|_| awaited);
         let is_sealed = transport.sealing() == Sealing::Sealed;
         let tally = Tally::of_sender(is_sealed && self.group.mode == Mode::Lockstep);
-        self.ports.enter_sender(&outlet, &tally);
+        self.ports.enter_sender(T::TOPIC, &port, &tally);
         let publisher = Publisher::new(Seal {
-            outlet,
+            port,
             waker: waker.map(|waker| (waker, self.group.timetable)),
             falsified: self.faults_on(T::TOPIC).map(Falsified::new),
-            protection: match is_sealed {
-                true => Protection::Full,
-                false if self.injection.faults.concern(T::TOPIC) => Protection::Mark,
-                false => Protection::Nothing,
-            },
+            protects: is_sealed || self.injection.faults.concern(T::TOPIC),
             clock: Rc::clone(&self.cycles.clock),
             source: self.service,
             incarnation: self.incarnation,
@@ -59,17 +55,15 @@ impl Runtime {
         let waiter = waits.then(|| transport.waiter(T::TOPIC));
         let is_concerned = self.injection.faults.concern(T::TOPIC);
         let wanted = if is_concerned { Wanted::Every } else { Wanted::Newest(clock) };
-        let (inlet, tally) = (transport.inlet(wanted)?, Rc::default());
+        let (port, tally) = (transport.receiver(T::TOPIC, wanted)?, Rc::default());
         let is_judged = is_concerned || transport.carrier() == Carrier::SharedMemory;
-        let mut check = Check::new(self.ports.members.clone(), is_judged, Rc::clone(&tally));
-        check.fences.clone_from(&self.ports.fences);
+        let mut check = Check::new(transport.peers(), is_judged, Rc::clone(&tally));
         check.clock = Some(Rc::clone(clock));
         check.expected = self.expected(T::TOPIC);
-        let sealing = transport.sealing();
         let disturbed = self.faults_on(T::TOPIC);
-        let disturbed = disturbed.map(|faults| Disturbed::new(faults, Rc::clone(clock), sealing));
-        self.ports.enter_receiver(&inlet, &tally);
-        Ok(Subscriber::new(inlet, waiter, disturbed, check, tally))
+        let disturbed = disturbed.map(|faults| Disturbed::new(faults, Rc::clone(clock)));
+        self.ports.enter_receiver(T::TOPIC, &port, &tally);
+        Ok(Subscriber::new(port, waiter, disturbed, check, tally))
     }
 
     /// The faults, if they can come to act on messages of `topic` or wait for what such a message shows.

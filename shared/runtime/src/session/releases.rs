@@ -55,7 +55,7 @@ impl Runtime {
                 }
                 let ticket = samples.ticket();
                 self.finish_take_over()?;
-                samples.drain(u64::MAX, |_| {})?;
+                samples.drain(|_| {})?;
                 let late = self.cycles.late_ns();
                 if self.cycles.skip_missed(late) {
                     continue;
@@ -74,7 +74,7 @@ impl Runtime {
 
     /// True if the next step is not to be run any more.
     fn is_over(&self) -> bool {
-        self.life.link.end.is_before(self.cycles.next_step)
+        self.life.link.orders.end.is_before(self.cycles.next_step)
     }
 
     fn release(&mut self, idle_ns: i64) -> Option<Release> {
@@ -90,7 +90,7 @@ impl Runtime {
 
     /// Connects to processes that joined since the last time, and takes in new faults.
     fn look_around(&self) {
-        if self.life.link.joined.swap(false, Ordering::Relaxed) {
+        if self.life.link.orders.joined.swap(false, Ordering::Relaxed) {
             // A peer that died again at once is not an error: the next message tries anew.
             let _ = self.ports.connect();
         }

@@ -1,14 +1,16 @@
 //! The begin and the end of a service: from the open ports to the first release, and the report.
 
 use super::Runtime;
+use crate::counts::account::OwnAccount;
 use crate::machine::scheduling::{Granted, Request, above, apply, in_force};
-use crate::report::{Payload, Reported, ServiceReport};
+use crate::report::{Payload, ServiceReport};
 use crate::survival::end_word;
 use crate::survival::standby::{ActiveProcess, Standby};
 use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError};
 use messages::Topic;
 use scenario::Scenario;
+use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Longest time for which a restarted service waits for its inputs' last messages. A dead input does not send any.
@@ -32,12 +34,15 @@ impl Runtime {
         if granted.is_realtime() {
             self.life.link.raise_thread();
         }
-        if carrier == Carrier::SharedMemory && mode == Mode::Realtime {
-            self.survival.counts.begin_account(self.incarnation)?;
+        if let (Some(peers), Mode::Realtime) = (self.ports.transport.peers(), mode) {
+            self.survival.counts.begin(self.incarnation);
+            let account = OwnAccount::begin(&self.group, self.service, self.incarnation)?;
+            self.survival.account = Some(account);
             if self.group.standby.contains(&self.service) {
                 // Above the loops: it only ever ends.
                 let priority = above(granted.priority(&Request::of(scenario, self.service)));
-                end_word::announce(&self.group, (self.service, self.incarnation), priority)?;
+                let own = (self.service, self.incarnation);
+                end_word::announce(&peers.words, own, priority)?;
             }
         }
         self.life.granted = Some(granted.clone());
@@ -73,10 +78,12 @@ impl Runtime {
         granted: &Granted,
     ) -> Result<(), RuntimeError> {
         let own = (self.service, self.incarnation);
-        let slot = &self.life.link.take_over;
+        let slot = &self.life.link.orders.take_over;
         // Silent before the threads of the standby begin.
         self.survival.be_silent();
-        let standby = Standby::begin(&self.group, scenario, own, active, granted, slot)?;
+        let peers = self.ports.transport.peers().expect("a standby is a process");
+        let words = &peers.words;
+        let standby = Standby::begin(&self.group, words, scenario, own, active, granted, slot)?;
         self.survival.standby = Some(standby);
         Ok(())
     }
@@ -95,9 +102,11 @@ impl Runtime {
 impl Runtime {
     /// Reports to the launcher, with the service's own `figures`, and keeps all ports open until all services have
     /// reported. So no last message is lost with its sender.
-    pub fn finish(self, figures: impl Reported) -> Result<(), RuntimeError> {
+    pub fn finish(self, figures: impl Serialize) -> Result<(), RuntimeError> {
         let (cycles, skipped) = self.survival.counted(self.cycles.run, self.cycles.skipped);
         let (sent, received) = self.ports.reports();
+        let mut fault_statistics = Vec::new();
+        self.injection.faults.statistics(&mut fault_statistics);
         let report = ServiceReport {
             allocations_in_loop: self.life.allocations_in_loop,
             service: self.service,
@@ -108,8 +117,8 @@ impl Runtime {
             received,
             peak_rss_kib: (self.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
             scheduling: self.life.granted.expect("`begin` comes before `finish`"),
-            fault_statistics: self.injection.faults.statistics(),
-            details: Payload::of(figures),
+            fault_statistics,
+            details: Payload::of(&figures),
         };
         self.life.link.send(FromService::Report(Box::new(report)))?;
         self.life.link.wait_for_the_end();

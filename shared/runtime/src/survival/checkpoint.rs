@@ -61,13 +61,14 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         Ok(Self { slots, saved: 0, room: Box::new([0; WORDS]), state: PhantomData })
     }
 
+    /// Opens the file at `path`; `None` if there is none.
+    pub(crate) fn existing(path: &Path) -> Option<Self> {
+        path.exists().then(|| Self::open(path).ok()).flatten()
+    }
+
     /// The newest state that `service`, which is gone, kept in its run; `None` if it kept no state.
     pub fn last(group: &Group, service: Service) -> Option<T> {
-        let path = state_path(&group.prefix, service);
-        if !path.exists() {
-            return None;
-        }
-        Self::open(&path).ok()?.restore()
+        Self::existing(&state_path(&group.prefix, service))?.restore()
     }
 
     /// The newest state that was kept whole.

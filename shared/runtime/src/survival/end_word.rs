@@ -7,14 +7,14 @@
 
 #![allow(unsafe_code, reason = "no crate registers a robust futex that is not a mutex")]
 
+use crate::RuntimeError;
 use crate::machine::scheduling::set_fifo_of;
-use crate::survival::fence;
-use crate::words::RunWords;
-use crate::{Group, RuntimeError};
+use crate::words::{RunWords, Shared};
 use messages::Service;
 use rustix::thread::{futex, gettid};
 use std::mem::offset_of;
 use std::ptr;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::sync_channel;
 
@@ -50,11 +50,11 @@ fn word(words: &RunWords, service: Service, incarnation: u32) -> &AtomicU32 {
 /// Lets the kernel mark the end of this process, a service's `incarnation`. A thread of this priority does it; 0 is an
 /// ordinary one.
 pub(crate) fn announce(
-    group: &Group,
+    words: &Arc<Shared<RunWords>>,
     (service, incarnation): (Service, u32),
     priority: u8,
 ) -> Result<(), RuntimeError> {
-    let words = fence::map(group)?;
+    let words = Arc::clone(words);
     let (sender, owned) = sync_channel(1);
     std::thread::Builder::new()
         .name("end".into())
@@ -114,8 +114,7 @@ pub(crate) fn wait(words: &RunWords, service: Service, incarnation: u32) -> bool
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::words::{END_WORDS, Shared};
-    use std::sync::Arc;
+    use crate::words::END_WORDS;
 
     /// Maps a page of its own; its name is removed at once.
     fn page() -> Shared<RunWords> {

@@ -14,11 +14,12 @@
 //! use no message of an earlier epoch. At no instant are two senders accepted. The tests at the end check that over all
 //! interleavings (feature `loom`). The [`Gate`] of a process looks for its ports, and keeps a standby silent.
 
+use crate::Group;
 use crate::words::{RunWords, Shared};
-use crate::{Group, RuntimeError};
 use messages::Service;
 use std::cell::Cell;
-use std::rc::Rc;
+use std::io;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// An atomic word: the machine's, or a model checker's.
@@ -61,32 +62,27 @@ pub fn claim(word: &impl Word, own: u32) -> bool {
     present == own || take_over(word, present, own)
 }
 
-/// The words of a run's services that have a standby.
+/// The other processes of the run, as a port sees them: its members, and the epochs of the services with a standby.
 #[derive(Clone, Debug)]
-pub(crate) struct Fences {
-    words: Rc<Shared<RunWords>>,
+pub(crate) struct Peers {
+    pub(crate) words: Arc<Shared<RunWords>>,
     fenced: [bool; Service::ALL.len()],
 }
 
-impl Fences {
-    /// Those of `group`; `None` where no service has a standby.
-    pub(crate) fn of(group: &Group) -> Result<Option<Self>, RuntimeError> {
-        if group.standby.is_empty() {
-            return Ok(None);
-        }
+impl Peers {
+    pub(crate) fn of(group: &Group) -> io::Result<Self> {
         let fenced = Service::ALL.map(|service| group.standby.contains(&service));
-        Ok(Some(Self { words: Rc::new(map(group)?), fenced }))
+        Ok(Self { words: Arc::new(RunWords::map(&group.prefix)?), fenced })
     }
 
-    /// The word of a service; `None` where it has no standby.
-    pub(crate) fn of_service(&self, service: Service) -> Option<&AtomicU32> {
+    /// The epoch of a service; `None` where it has no standby.
+    pub(crate) fn epoch(&self, service: Service) -> Option<&AtomicU32> {
         self.fenced[service.index()].then(|| &self.words.of(service).epoch)
     }
 
     /// True if a message of incarnation `incarnation` of the service with this number may be used.
     pub(crate) fn accept(&self, source: u32, incarnation: u32) -> bool {
-        let service = Service::ALL.into_iter().find(|service| service.to_wire() == source);
-        let word = service.and_then(|service| self.of_service(service));
+        let word = Service::by_number(source).and_then(|service| self.epoch(service));
         word.is_none_or(|word| is_accepted(word, incarnation))
     }
 }
@@ -104,20 +100,15 @@ pub(crate) enum Passage {
 /// The gate of one process, shared by its ports.
 #[derive(Debug)]
 pub(crate) struct Gate {
-    fences: Option<Fences>,
+    peers: Option<Peers>,
     service: Service,
     incarnation: u32,
     is_standby: Cell<bool>,
 }
 
 impl Gate {
-    pub(crate) fn of(fences: Option<Fences>, service: Service, incarnation: u32) -> Self {
-        Self { fences, service, incarnation, is_standby: Cell::new(false) }
-    }
-
-    /// Always open: of a sender without a standby.
-    pub(crate) fn open(service: Service) -> Self {
-        Self::of(None, service, 0)
+    pub(crate) fn of(peers: Option<Peers>, service: Service, incarnation: u32) -> Self {
+        Self { peers, service, incarnation, is_standby: Cell::new(false) }
     }
 
     /// Makes the process a standby, or ends that.
@@ -132,7 +123,7 @@ impl Gate {
 
     /// The service's epoch; `None` where it has no standby.
     fn word(&self) -> Option<&AtomicU32> {
-        self.fences.as_ref().and_then(|fences| fences.of_service(self.service))
+        self.peers.as_ref().and_then(|peers| peers.epoch(self.service))
     }
 
     /// Makes this process the active one, if it replaces one that is gone; false if
@@ -151,11 +142,6 @@ impl Gate {
             _ => Passage::Open,
         }
     }
-}
-
-/// The words of a run.
-pub(crate) fn map(group: &Group) -> Result<Shared<RunWords>, RuntimeError> {
-    RunWords::map(&group.prefix).map_err(RuntimeError::setup("the words in shared memory"))
 }
 
 /// The epochs over all interleavings of their processes.
@@ -292,8 +278,8 @@ pub(super) mod tests {
             })
         }
 
-        pub(in crate::survival) fn fences(&self) -> Fences {
-            Fences::of(&self.0).expect("shared memory").expect("it has standbys")
+        pub(in crate::survival) fn peers(&self) -> Peers {
+            Peers::of(&self.0).expect("shared memory")
         }
     }
 
@@ -305,23 +291,22 @@ pub(super) mod tests {
 
     #[test]
     fn messages_of_services_with_a_standby_alone_are_compared_with_the_epoch() {
-        assert!(Fences::of(&Run::new("none", &[]).0).expect("nothing to map").is_none());
         let run = Run::new("two", &[Service::Controller, Service::Obu]);
-        let fences = run.fences();
+        let peers = run.peers();
         for service in Service::ALL {
             let fenced = matches!(service, Service::Controller | Service::Obu);
-            assert_eq!(fences.of_service(service).is_some(), fenced, "{service}");
+            assert_eq!(peers.epoch(service).is_some(), fenced, "{service}");
             let source = service.to_wire();
-            assert!(fences.accept(source, 0), "{service}: epoch 0 speaks at first");
-            assert_eq!(fences.accept(source, 7), !fenced, "{service}");
+            assert!(peers.accept(source, 0), "{service}: epoch 0 speaks at first");
+            assert_eq!(peers.accept(source, 7), !fenced, "{service}");
         }
         // Both maps of the page are the same words, and each service has its own.
-        let other = run.fences();
-        assert!(take_over(other.of_service(Service::Obu).expect("fenced"), 0, 7));
-        let accepts = |service: Service, own| fences.accept(service.to_wire(), own);
+        let other = run.peers();
+        assert!(take_over(other.epoch(Service::Obu).expect("fenced"), 0, 7));
+        let accepts = |service: Service, own| peers.accept(service.to_wire(), own);
         assert!(accepts(Service::Obu, 7) && !accepts(Service::Obu, 0));
         assert!(accepts(Service::Controller, 0) && !accepts(Service::Controller, 7));
-        assert!(fences.accept(0, 9) && fences.accept(99, 9), "no service has the number");
+        assert!(peers.accept(0, 9) && peers.accept(99, 9), "no service has the number");
     }
 
     #[test]
@@ -335,8 +320,8 @@ pub(super) mod tests {
     #[test]
     fn without_a_standby_of_its_service_a_gate_is_open_until_it_stands_by() {
         let run = Run::new("open", &[Service::PerceptionSim]);
-        let of_another = Gate::of(Some(run.fences()), Service::Plant, 3);
-        for gate in [Gate::open(Service::Plant), of_another] {
+        let of_another = Gate::of(Some(run.peers()), Service::Plant, 3);
+        for gate in [Gate::of(None, Service::Plant, 0), of_another] {
             assert!(gate.claim() && !gate.is_standby());
             assert_eq!(gate.passage(), Passage::Open);
             gate.set_standby(true);
@@ -351,12 +336,12 @@ pub(super) mod tests {
     fn a_standby_holds_its_messages_and_a_replaced_process_sends_nothing() {
         let service = Service::Controller;
         let run = Run::new("replaced", &[service]);
-        let [active, standby] = [0, 1].map(|own| Gate::of(Some(run.fences()), service, own));
+        let [active, standby] = [0, 1].map(|own| Gate::of(Some(run.peers()), service, own));
         assert!(active.claim());
         standby.set_standby(true);
         assert_eq!((active.passage(), standby.passage()), (Passage::Open, Passage::Held));
-        let fences = run.fences();
-        let word = fences.of_service(service).expect("it has a standby");
+        let peers = run.peers();
+        let word = peers.epoch(service).expect("it has a standby");
         assert!(take_over(word, 0, 1));
         // The standby is silent until its loop ends the time as a standby.
         assert_eq!((active.passage(), standby.passage()), (Passage::Shut, Passage::Held));
@@ -369,7 +354,7 @@ pub(super) mod tests {
     fn a_process_that_is_started_cold_claims_a_later_epoch_alone() {
         let service = Service::Aebs;
         let run = Run::new("cold", &[service]);
-        let gate = |own| Gate::of(Some(run.fences()), service, own);
+        let gate = |own| Gate::of(Some(run.peers()), service, own);
         assert_eq!(gate(4).passage(), Passage::Shut, "not claimed");
         assert!(gate(4).claim() && gate(4).claim() && !gate(3).claim());
         assert_eq!((gate(3).passage(), gate(4).passage()), (Passage::Shut, Passage::Open));

@@ -4,7 +4,7 @@
 //! process ──► Counts: one file a service ──► read by the launcher and by a standby
 //!         ──► Checkpoint: state ───────────► read by the next process
 //!
-//! Gate: may this process speak?  ◄── Fences: one epoch a service  ◄── Standby: takes the epoch over
+//! Gate: may this process speak?  ◄── Peers: one epoch a service   ◄── Standby: takes the epoch over
 //! ```
 
 pub mod checkpoint;
@@ -13,7 +13,8 @@ pub mod fence;
 pub mod standby;
 
 use crate::counts::ServiceCounts;
-use fence::{Fences, Gate};
+use crate::counts::account::OwnAccount;
+use fence::{Gate, Peers};
 use messages::Service;
 use standby::Standby;
 use std::rc::Rc;
@@ -22,6 +23,8 @@ use std::rc::Rc;
 #[derive(Debug)]
 pub(crate) struct Survival {
     pub(crate) counts: ServiceCounts,
+    /// What this process counted, for the launcher.
+    pub(crate) account: Option<OwnAccount>,
     pub(crate) gate: Rc<Gate>,
     pub(crate) standby: Option<Standby>,
     /// Cycles and skipped releases of the time as a standby.
@@ -32,12 +35,12 @@ impl Survival {
     /// The survival of process `incarnation` of `service`, which counts in `counts`.
     pub(crate) fn new(
         counts: ServiceCounts,
-        fences: Option<Fences>,
+        peers: Option<Peers>,
         service: Service,
         incarnation: u32,
     ) -> Self {
-        let gate = Rc::new(Gate::of(fences, service, incarnation));
-        Self { counts, gate, standby: None, silent: (0, 0) }
+        let gate = Rc::new(Gate::of(peers, service, incarnation));
+        Self { counts, account: None, gate, standby: None, silent: (0, 0) }
     }
 
     /// Makes this process silent: it sends and records nothing.

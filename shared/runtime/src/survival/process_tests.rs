@@ -32,7 +32,9 @@ fn begin(run: &Run, active: ActiveProcess, slot: &OrderSlot, keys: &str) -> Stan
     };
     let text = format!("schema_version = 1\nname = \"standby\"\n{keys}");
     let scenario = Scenario::parse("standby", &text).expect("a scenario");
-    Standby::begin(&run.0, &scenario, (SERVICE, 1), active, &granted, slot).expect("it begins")
+    let words = run.peers().words;
+    let own = (SERVICE, 1);
+    Standby::begin(&run.0, &words, &scenario, own, active, &granted, slot).expect("it begins")
 }
 
 /// Ends the process, and waits for the thread that watches it: its last act is to wake the loop.
@@ -87,9 +89,7 @@ fn the_end_of_the_process_is_a_take_over_that_wakes_the_loop() {
         standby.wait(PATIENCE);
     }
     assert!(matches!(standby.taken_over(), Some((Cause::Gone, noticed_ns)) if noticed_ns > 0));
-    assert!(
-        run.fences().accept(SERVICE.to_wire(), 1) && !run.fences().accept(SERVICE.to_wire(), 0)
-    );
+    assert!(run.peers().accept(SERVICE.to_wire(), 1) && !run.peers().accept(SERVICE.to_wire(), 0));
     // Only the topics that can release the loop are woken.
     assert!(wait_until(|| woken(&run)[..2].iter().zip(&before).all(|(now, then)| now != then)));
     assert_eq!(woken(&run)[2], before[2]);
@@ -130,8 +130,7 @@ fn an_order_of_the_launcher_is_one_too_and_wakes_the_loop() {
 fn a_process_that_lives_and_does_nothing_is_silent() {
     let run = Run::new("silent", &[SERVICE]);
     let mut counts = ServiceCounts::open(&run.0, SERVICE).expect("shared memory");
-    counts.begin_account(0).expect("shared memory");
-    let account = counts.account().expect("it has begun");
+    counts.begin(0);
     let active = process();
     let pid = active.id().cast_signed();
     let keys = "[supervision]\nstandby_timeout_ms = 20";
@@ -142,7 +141,7 @@ fn a_process_that_lives_and_does_nothing_is_silent() {
     let mut cycles = 0;
     while Instant::now() < until {
         cycles += 1;
-        account.show_progress(cycles);
+        counts.show_progress(cycles);
         standby.look_at_active();
         assert!(standby.stands_by(), "cycle {cycles}");
     }

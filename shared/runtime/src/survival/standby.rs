@@ -9,11 +9,11 @@
 //! The end of the active process is known by [`end_word`], or by its pidfd.
 
 use crate::counts::ServiceCounts;
-use crate::counts::account::Progress;
+use crate::counts::figures::Progress;
 use crate::machine::scheduling::{Granted, Request, above, set_below_services, set_fifo_of};
 use crate::survival::end_word;
 use crate::survival::fence;
-use crate::transport::waking::wake;
+use crate::transport::waking::wake_word;
 use crate::words::{RunWords, Shared};
 use crate::{Group, RuntimeError, monotonic_ns};
 use messages::{Service, Topic};
@@ -65,7 +65,7 @@ const REPLACED: u32 = 2;
 /// Data that the threads of a standby share.
 #[derive(Debug)]
 struct Order {
-    words: Shared<RunWords>,
+    words: Arc<Shared<RunWords>>,
     service: Service,
     active: u32,
     own: u32,
@@ -97,8 +97,8 @@ impl Order {
 
     /// Wakes the loop if it waits for a topic which can release it.
     fn wake_by_topic(&self) {
-        wake(&self.words, Topic::RadarTracks);
-        wake(&self.words, Topic::RadarDetections);
+        wake_word(self.words.wake(Topic::RadarTracks));
+        wake_word(self.words.wake(Topic::RadarDetections));
     }
 }
 
@@ -149,6 +149,7 @@ impl Standby {
     /// Begins to stand by for `active`.
     pub(crate) fn begin(
         group: &Group,
+        words: &Arc<Shared<RunWords>>,
         scenario: &Scenario,
         (service, own): (Service, u32),
         active: ActiveProcess,
@@ -158,7 +159,7 @@ impl Standby {
         let request = Request::of(scenario, service);
         let priority = granted.priority(&request);
         let order = Arc::new(Order {
-            words: fence::map(group)?,
+            words: Arc::clone(words),
             service,
             active: active.incarnation,
             own,
@@ -275,7 +276,7 @@ mod tests {
     /// A standby of the controller, process 1, for process 0, without the threads.
     fn order(run: &Run) -> Arc<Order> {
         Arc::new(Order {
-            words: fence::map(&run.0).expect("shared memory"),
+            words: run.peers().words,
             service: Service::Controller,
             active: 0,
             own: 1,

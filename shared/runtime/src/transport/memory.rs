@@ -7,13 +7,13 @@
 //! A sender goes on only if each reader sees what was the newest message at its release: it waits for its next turn, as
 //! it would wait for room in shared memory. It writes the next message into one that its readers no longer have.
 
+use super::message::Words;
 use super::{Sealing, Wanted, buffer, buffer_of};
 use crate::in_process::coroutine::Pause;
 use crate::life::link::End;
 use crate::transport::waking::Waiter;
 use crate::{Clock, Timetable, TransportError};
-use messages::{Message, Topic};
-use std::any::Any;
+use messages::{TOPICS, Topic};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::{Rc, Weak};
@@ -21,7 +21,7 @@ use std::rc::{Rc, Weak};
 /// The topics of a run.
 #[derive(Debug)]
 pub(crate) struct Bus {
-    topics: RefCell<Vec<(Topic, Rc<dyn Any>)>>,
+    topics: [Rc<Slot>; TOPICS.len()],
     /// Messages that may wait in a queue, unless they are large.
     limit: usize,
     pub(super) sealing: Sealing,
@@ -47,47 +47,33 @@ impl Bus {
         self.stalled.set(true);
     }
 
-    fn slot<T: Message>(&self) -> Rc<Slot<T>> {
-        let mut topics = self.topics.borrow_mut();
-        if let Some((_, slot)) = topics.iter().find(|(topic, _)| *topic == T::TOPIC) {
-            return Rc::clone(slot).downcast().expect("a topic has one message type");
-        }
-        let slot = Rc::new(Slot::<T>::default());
-        topics.push((T::TOPIC, Rc::clone(&slot) as Rc<dyn Any>));
-        slot
+    fn slot(&self, topic: Topic) -> Rc<Slot> {
+        Rc::clone(&self.topics[topic as usize])
     }
 }
 
-#[derive(Debug)]
-struct Slot<T> {
-    newest: RefCell<Option<Rc<T>>>,
+#[derive(Debug, Default)]
+struct Slot {
+    newest: RefCell<Option<Words>>,
     /// Messages sent so far.
     sent: Cell<u64>,
     /// Clocks of the services that look at it; one is gone when its service is.
     clocks: RefCell<Vec<Weak<Clock>>>,
-    queues: RefCell<Vec<Weak<Queue<T>>>>,
+    queues: RefCell<Vec<Weak<Queue>>>,
 }
 
-type Queue<T> = RefCell<VecDeque<Rc<T>>>;
+type Queue = RefCell<VecDeque<Words>>;
 
-impl<T> Default for Slot<T> {
-    fn default() -> Self {
-        let (newest, sent, clocks, queues) = Default::default();
-        Self { newest, sent, clocks, queues }
-    }
-}
-
-impl<T> Slot<T> {
+impl Slot {
     /// True if a message of `step` hides none that a reader needs, and no queue has `limit` messages.
     fn has_room(&self, step: u64, limit: usize) -> bool {
         let reaches = |clock: &Weak<Clock>| clock.upgrade().is_none_or(|c| c.step() >= step);
-        let has_room = |queue: &Weak<Queue<T>>| {
-            queue.upgrade().is_none_or(|queue| queue.borrow().len() < limit)
-        };
+        let has_room =
+            |queue: &Weak<Queue>| queue.upgrade().is_none_or(|queue| queue.borrow().len() < limit);
         self.clocks.borrow().iter().all(reaches) && self.queues.borrow().iter().all(has_room)
     }
 
-    fn put(&self, message: &Rc<T>) {
+    fn put(&self, message: &Words) {
         for queue in self.queues.borrow().iter().filter_map(Weak::upgrade) {
             queue.borrow_mut().push_back(Rc::clone(message));
         }
@@ -109,21 +95,17 @@ impl Seat {
         Self { bus, pause }
     }
 
-    pub(super) fn sender<T: Message>(&self, end: End) -> MemorySender<T> {
-        MemorySender {
-            slot: self.bus.slot(),
-            pool: RefCell::default(),
-            limit: buffer_of(T::TOPIC, self.bus.limit),
-            seat: self.clone(),
-            end,
-        }
+    pub(super) fn sender(&self, topic: Topic, end: End) -> MemorySender {
+        let (slot, limit) = (self.bus.slot(topic), buffer_of(topic, self.bus.limit));
+        let words = topic.message_bytes() / size_of::<u64>();
+        MemorySender { slot, pool: RefCell::default(), words, limit, seat: self.clone(), end }
     }
 
-    pub(super) fn receiver<T: Message>(&self, wanted: Wanted<'_>) -> MemoryReceiver<T> {
-        let (slot, moved) = (self.bus.slot::<T>(), Rc::clone(&self.bus.moved));
+    pub(super) fn receiver(&self, topic: Topic, wanted: Wanted<'_>) -> MemoryReceiver {
+        let (slot, moved) = (self.bus.slot(topic), Rc::clone(&self.bus.moved));
         let source = match wanted {
             Wanted::Every => {
-                let queue = Rc::<Queue<T>>::default();
+                let queue = Rc::<Queue>::default();
                 slot.queues.borrow_mut().push(Rc::downgrade(&queue));
                 Source::Queue(queue)
             }
@@ -143,7 +125,7 @@ impl Seat {
 
     pub(super) fn waiter(&self) -> Waiter {
         let pause = self.pause.clone().expect("observers do not wait");
-        Waiter::in_process(pause, Rc::clone(&self.bus.stalled))
+        Waiter::InProcess { pause, stalled: Rc::clone(&self.bus.stalled) }
     }
 }
 
@@ -170,34 +152,37 @@ impl Turns {
 }
 
 #[derive(Debug)]
-pub(crate) struct MemorySender<T> {
-    slot: Rc<Slot<T>>,
+pub(crate) struct MemorySender {
+    slot: Rc<Slot>,
     /// Messages that were sent, oldest first: what no receiver has any more is written again.
-    pool: RefCell<VecDeque<Rc<T>>>,
+    pool: RefCell<VecDeque<Words>>,
+    /// Length of a message.
+    words: usize,
     /// Messages that may wait in a queue.
     limit: usize,
     seat: Seat,
     end: End,
 }
 
-impl<T: Message> MemorySender<T> {
-    pub(super) fn loan(&self) -> Rc<T> {
+impl MemorySender {
+    pub(super) fn loan(&self) -> Words {
         let mut pool = self.pool.borrow_mut();
         let unused = pool.iter().position(|message| Rc::strong_count(message) == 1);
         let message = unused.and_then(|index| pool.remove(index));
-        message.unwrap_or_else(|| Rc::new(T::zeroed()))
+        message.unwrap_or_else(|| vec![0; self.words].into())
     }
 
-    pub(super) fn send(&self, message: Rc<T>) -> Result<(), TransportError> {
+    pub(super) fn send(&self, message: Words, step: u64) -> Result<(), TransportError> {
         let Seat { bus, pause } = &self.seat;
-        while !self.slot.has_room(message.header().step, self.limit) {
+        while !self.slot.has_room(step, self.limit) {
             if self.end.is_now() {
                 return Ok(());
             }
             if bus.stalled.get() {
-                return Err(TransportError::NotRead);
+                return Err(TransportError::Refused("a receiver does not read"));
             }
-            pause.as_ref().ok_or(TransportError::Full)?.wait();
+            let full = || TransportError::Refused("a receiver's queue is full");
+            pause.as_ref().ok_or_else(full)?.wait();
         }
         self.slot.put(&message);
         bus.moved.set(bus.moved.get() + 1);
@@ -207,24 +192,24 @@ impl<T: Message> MemorySender<T> {
 }
 
 #[derive(Debug)]
-pub(crate) struct MemoryReceiver<T> {
-    source: Source<T>,
+pub(crate) struct MemoryReceiver {
+    source: Source,
     moved: Rc<Cell<u64>>,
 }
 
 #[derive(Debug)]
-enum Source<T> {
-    Queue(Rc<Queue<T>>),
+enum Source {
+    Queue(Rc<Queue>),
     /// A topic, of whose messages `seen` were there at the last look.
     Slot {
-        slot: Rc<Slot<T>>,
+        slot: Rc<Slot>,
         seen: Cell<u64>,
     },
 }
 
-impl<T: Message> MemoryReceiver<T> {
+impl MemoryReceiver {
     /// The next message, and how many came since the last look.
-    pub(super) fn receive(&self) -> Option<(Rc<T>, u64)> {
+    pub(super) fn receive(&self) -> Option<(Words, u64)> {
         let taken = match &self.source {
             Source::Queue(queue) => (queue.borrow_mut().pop_front()?, 1),
             Source::Slot { slot, seen } => {
@@ -245,47 +230,68 @@ impl<T: Message> MemoryReceiver<T> {
 mod tests {
     use super::*;
     use crate::Mode;
-    use messages::{Command, Odometry, RadarDetections};
+    use crate::transport::{Held, Receiver, Sender, Transport};
+    use messages::{Message, Odometry, RadarDetections};
 
-    fn seat() -> Seat {
+    const ODOMETRY: Topic = Topic::Odometry;
+
+    fn run() -> Transport {
         let strides = [1, 5, 10, 10, 5, 10];
         let timetable = Timetable { step_ns: 10_000_000, strides, last_step: 100 };
-        Seat::new(Rc::new(Bus::new(&timetable, Sealing::Sealed)), None)
+        Transport::Memory(Seat::new(Rc::new(Bus::new(&timetable, Sealing::Sealed)), None))
     }
 
-    fn send(sender: &MemorySender<Odometry>, step: u64) -> Result<(), TransportError> {
-        let mut message = sender.loan();
-        Rc::get_mut(&mut message).expect("not sent").header.step = step;
+    fn sender(run: &Transport, topic: Topic) -> Rc<Sender> {
+        run.sender(topic, End::default()).expect("there is memory")
+    }
+
+    fn receiver(run: &Transport, topic: Topic, wanted: Wanted<'_>) -> Rc<Receiver> {
+        run.receiver(topic, wanted).expect("there is memory")
+    }
+
+    fn send(sender: &Sender, step: u64) -> Result<(), TransportError> {
+        let mut message = sender.loan::<Odometry>().expect("there is memory");
+        message.header.step = step;
         sender.send(message)
     }
 
-    fn steps(receiver: &MemoryReceiver<Odometry>) -> Vec<(u64, u64)> {
-        let taken = std::iter::from_fn(|| receiver.receive());
-        taken.map(|(message, count)| (message.header.step, count)).collect()
+    /// The next message, and how many came since the last look.
+    fn receive<T: Message>(receiver: &Receiver, held: &mut Held<T>) -> Option<u64> {
+        receiver.receive(held).expect("memory does not fail").map(|arrival| arrival.messages)
+    }
+
+    fn steps(receiver: &Receiver) -> Vec<(u64, u64)> {
+        let mut held = receiver.room::<Odometry>();
+        let mut taken = Vec::new();
+        while let Some(count) = receive(receiver, &mut held) {
+            taken.push((held.get().expect("it is there").header.step, count));
+        }
+        taken
     }
 
     #[test]
     fn every_queue_gets_every_message_in_order() {
-        let seat = seat();
-        let sender = seat.sender::<Odometry>(End::default());
-        let (one, two) = (seat.receiver(Wanted::Every), seat.receiver(Wanted::Every));
-        let commands = seat.receiver::<Command>(Wanted::Every);
+        let run = run();
+        let sender = sender(&run, ODOMETRY);
+        let [one, two] = [(); 2].map(|()| receiver(&run, ODOMETRY, Wanted::Every));
+        let commands = receiver(&run, Topic::Command, Wanted::Every);
         send(&sender, 1).expect("room");
         send(&sender, 2).expect("room");
         for receiver in [one, two] {
             assert_eq!(steps(&receiver), [(1, 1), (2, 1)]);
         }
-        assert!(commands.receive().is_none());
+        assert_eq!(receive(&commands, &mut commands.room::<messages::Command>()), None);
     }
 
     #[test]
     fn a_service_looks_once_at_what_came_since_its_last_release() {
-        let seat = seat();
-        let sender = seat.sender::<Odometry>(End::default());
+        let run = run();
+        let sender = sender(&run, ODOMETRY);
         let clock = Rc::new(Clock::new(Mode::Lockstep, 10_000_000));
-        let receiver = seat.receiver::<Odometry>(Wanted::Newest(&clock));
+        let receiver = receiver(&run, ODOMETRY, Wanted::Newest(&clock));
         send(&sender, 0).expect("the first release");
-        assert!(matches!(send(&sender, 1), Err(TransportError::Full)), "step 0 is not looked at");
+        let full = send(&sender, 1).expect_err("step 0 is not looked at");
+        assert!(full.to_string().contains("full"), "{full}");
         assert_eq!(steps(&receiver), [(0, 1)]);
         clock.set_step(5);
         (1..=5).for_each(|step| send(&sender, step).expect("up to the next release"));
@@ -298,9 +304,9 @@ mod tests {
 
     #[test]
     fn a_receiver_that_is_gone_holds_no_sender_up() {
-        let seat = seat();
-        let sender = seat.sender::<Odometry>(End::default());
-        let receiver = seat.receiver::<Odometry>(Wanted::Every);
+        let run = run();
+        let sender = sender(&run, ODOMETRY);
+        let receiver = receiver(&run, ODOMETRY, Wanted::Every);
         let full = (1..).find(|&k| send(&sender, k).is_err());
         assert_eq!(full, Some(51), "as many as in shared memory");
         drop(receiver);
@@ -309,21 +315,21 @@ mod tests {
 
     #[test]
     fn a_message_is_borrowed_and_not_written_again_before_its_readers_gave_it_back() {
-        let seat = seat();
-        let sender = seat.sender::<RadarDetections>(End::default());
+        let run = run();
+        let sender = sender(&run, Topic::RadarDetections);
         let clock = Rc::new(Clock::new(Mode::Lockstep, 10_000_000));
-        let receiver = seat.receiver::<RadarDetections>(Wanted::Newest(&clock));
-        let mut held: Option<Rc<RadarDetections>> = None;
+        let receiver = receiver(&run, Topic::RadarDetections, Wanted::Newest(&clock));
+        let mut held = receiver.room::<RadarDetections>();
         let mut addresses = Vec::new();
         for count in 1..=6 {
-            let mut message = sender.loan();
-            Rc::get_mut(&mut message).expect("not sent").count = count;
-            addresses.push(Rc::as_ptr(&message));
+            let mut message = sender.loan::<RadarDetections>().expect("there is memory");
+            message.count = count;
+            addresses.push(std::ptr::from_ref(&*message));
             sender.send(message).expect("room");
-            let before = held.as_ref().map(|held| held.count);
+            let before = held.get().map(|held| held.count);
             assert_eq!(before, (count > 1).then(|| count - 1), "what is held stays");
-            held = receiver.receive().map(|(message, _)| message);
-            assert_eq!(held.as_ref().map(Rc::as_ptr), addresses.last().copied());
+            assert_eq!(receive(&receiver, &mut held), Some(1));
+            assert_eq!(held.get().map(std::ptr::from_ref), addresses.last().copied());
         }
         addresses.sort_unstable();
         addresses.dedup();

@@ -8,51 +8,64 @@
 #![allow(unsafe_code, reason = "iceoryx2 carries the bytes of a message, whatever its type")]
 
 use super::shared_memory::{LoanedSample, Payload, ReceivedSample};
+use bytemuck::{cast_slice, cast_slice_mut, from_bytes, from_bytes_mut};
 use messages::{Message, SMALL_BYTES};
+use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
 use std::rc::Rc;
+
+/// A message in the memory of the process: its bytes as words, which have the alignment of each message.
+pub(super) type Words = Rc<[u64]>;
 
 /// Memory for one message, loaned from the port that will send it. A loan that is not sent goes back to
 /// its port.
 #[derive(Debug)]
-pub struct Loan<T: Message>(pub(super) Place<T>);
+pub struct Loan<T: Message>(pub(super) Place, PhantomData<T>);
 
 #[derive(Debug)]
-pub(super) enum Place<T: Message> {
+pub(super) enum Place {
     /// In the sender's segment of shared memory.
     SharedMemory(LoanedSample),
     /// In the memory of the process; there is no other handle until it is sent.
-    Memory(Rc<T>),
+    Memory(Words),
 }
 
-fn message_in<T: Message>(payload: &Payload) -> &T {
-    assert_eq!(payload.len(), size_of::<T>(), "a topic has one message type");
-    // SAFETY: there are as many bytes as a `T` has, which is `Pod`. The topic was opened with the alignment of a `T`.
-    unsafe { &*payload.as_ptr().cast() }
+impl<T: Message> Loan<T> {
+    pub(super) fn at(place: Place) -> Self {
+        Self(place, PhantomData)
+    }
+}
+
+fn bytes_in(payload: &Payload) -> &[u8] {
+    // SAFETY: a payload is bytes, whose type iceoryx2 leaves open.
+    unsafe { std::slice::from_raw_parts(payload.as_ptr().cast(), payload.len()) }
 }
 
 impl<T: Message> Deref for Loan<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        match &self.0 {
-            Place::SharedMemory(sample) => message_in(sample.payload()),
-            Place::Memory(message) => message,
-        }
+        from_bytes(match &self.0 {
+            Place::SharedMemory(sample) => bytes_in(sample.payload()),
+            Place::Memory(words) => cast_slice(words),
+        })
     }
 }
 
 impl<T: Message> DerefMut for Loan<T> {
     fn deref_mut(&mut self) -> &mut T {
-        match &mut self.0 {
+        from_bytes_mut(match &mut self.0 {
             Place::SharedMemory(sample) => {
                 let payload = sample.payload_mut();
-                assert_eq!(payload.len(), size_of::<T>(), "a topic has one message type");
-                // SAFETY: as in `message_in`, and the payload is borrowed for as long as the message.
-                unsafe { &mut *payload.as_mut_ptr().cast() }
+                // SAFETY: as in `bytes_in`, and the payload is borrowed for as long as the bytes.
+                unsafe {
+                    std::slice::from_raw_parts_mut(payload.as_mut_ptr().cast(), payload.len())
+                }
             }
-            Place::Memory(message) => Rc::get_mut(message).expect("not sent yet: no other handle"),
-        }
+            Place::Memory(words) => {
+                cast_slice_mut(Rc::get_mut(words).expect("not sent yet: no other handle"))
+            }
+        })
     }
 }
 
@@ -61,15 +74,15 @@ impl<T: Message> DerefMut for Loan<T> {
 pub(crate) struct Held<T: Message> {
     /// Room for a copy, from the start where messages are copied.
     copy: Option<Box<T>>,
-    state: State<T>,
+    state: State,
 }
 
 #[derive(Debug)]
-enum State<T: Message> {
+enum State {
     Empty,
     Copied,
     Sample(ReceivedSample),
-    Memory(Rc<T>),
+    Memory(Words),
 }
 
 impl<T: Message> Held<T> {
@@ -77,7 +90,7 @@ impl<T: Message> Held<T> {
     const IS_COPIED: bool = size_of::<T>() <= SMALL_BYTES;
 
     /// Room without a message, for one that comes through shared memory or not.
-    pub(crate) fn new(is_shared: bool) -> Self {
+    pub(super) fn new(is_shared: bool) -> Self {
         let copy = (is_shared && Self::IS_COPIED).then(|| Box::new(T::zeroed()));
         Self { copy, state: State::Empty }
     }
@@ -86,12 +99,11 @@ impl<T: Message> Held<T> {
         match &self.state {
             State::Empty => None,
             State::Copied => self.copy.as_deref(),
-            State::Sample(sample) => Some(message_in(sample.payload())),
-            State::Memory(message) => Some(message),
+            State::Sample(sample) => Some(from_bytes(bytes_in(sample.payload()))),
+            State::Memory(words) => Some(from_bytes(cast_slice(words))),
         }
     }
 
-    /// Keeps a copy of `message`.
     pub(crate) fn copy(&mut self, message: &T) {
         **self.copy.get_or_insert_with(|| Box::new(T::zeroed())) = *message;
         self.state = State::Copied;
@@ -102,8 +114,8 @@ impl<T: Message> Held<T> {
         match std::mem::replace(&mut self.state, State::Empty) {
             State::Empty => return None,
             State::Copied => self.state = State::Copied,
-            State::Sample(sample) => self.copy(message_in(sample.payload())),
-            State::Memory(message) => self.copy(&message),
+            State::Sample(sample) => self.copy(from_bytes(bytes_in(sample.payload()))),
+            State::Memory(words) => self.copy(from_bytes(cast_slice(&words))),
         }
         self.copy.as_deref_mut()
     }
@@ -111,7 +123,7 @@ impl<T: Message> Held<T> {
     /// Keeps what arrived through shared memory; returns the bytes that were copied for it.
     pub(super) fn take_sample(&mut self, sample: ReceivedSample) -> usize {
         if Self::IS_COPIED {
-            self.copy(message_in(sample.payload()));
+            self.copy(from_bytes(bytes_in(sample.payload())));
             return size_of::<T>();
         }
         self.state = State::Sample(sample);
@@ -119,13 +131,8 @@ impl<T: Message> Held<T> {
     }
 
     /// Keeps what arrived in the memory of the process.
-    pub(super) fn take_shared(&mut self, message: Rc<T>) {
-        self.state = State::Memory(message);
-    }
-
-    /// True if no other code could write to the message since its sender handed it over.
-    pub(crate) fn is_as_sent(&self) -> bool {
-        matches!(self.state, State::Memory(_))
+    pub(super) fn take_shared(&mut self, words: Words) {
+        self.state = State::Memory(words);
     }
 
     /// Gives the message back to its sender.

@@ -1,7 +1,7 @@
 //! Carriers of messages: shared memory between processes, or the memory of one.
 //!
 //! ```text
-//! Outlet ─► shared memory: a port of iceoryx2 for bytes of any layout ─────────────────────► Inlet
+//! Sender ─► shared memory: a port of iceoryx2 for bytes of any layout ─────────────────────► Receiver
 //!        └► memory: the topic's newest message, and queues for who needs each of them ────┘
 //! ```
 
@@ -15,14 +15,17 @@ pub use memory::Turns;
 pub(super) use memory::{Bus, Seat};
 pub(super) use message::Held;
 pub use message::Loan;
-pub use shared_memory::{Ipc, domain, shared_memory_bytes};
-pub(super) use shared_memory::{Receiver, Sender, SenderId, SharedMemory};
+pub(super) use shared_memory::SharedMemory;
+pub use shared_memory::{Ipc, shared_memory_bytes};
 
 use crate::life::link::End;
+use crate::survival::fence::Peers;
 use crate::transport::memory::{MemoryReceiver, MemorySender};
 use crate::transport::message::Place;
+use crate::transport::shared_memory::{ReceivingPort, SendingPort, loan, pid_of};
 use crate::transport::waking::{Waiter, Waker};
 use crate::{Clock, RuntimeError, Timetable, TransportError};
+use iceoryx2::port::update_connections::UpdateConnections;
 use messages::{Message, Topic};
 use serde::Serialize;
 use std::rc::Rc;
@@ -40,11 +43,11 @@ pub enum Carrier {
 /// Sealing of messages: their CRC, and their place in digests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sealing {
-    /// They do, as between processes.
+    /// Each message is sealed, as between processes.
     #[default]
     Sealed,
-    /// They do not: nothing outside of the run's thread ever has them, and nothing compares them with another
-    /// run's. All else is the same.
+    /// Only messages on which a fault can act are sealed. Nothing outside of the run's thread ever has the others, and
+    /// nothing compares them with another run's. All else is the same.
     Unsealed,
 }
 
@@ -89,43 +92,50 @@ impl Transport {
         }
     }
 
-    /// Creates the sending end of `T`'s topic. In lockstep it waits while a receiver has no room, unless the run was
-    /// aborted.
-    pub(crate) fn outlet<T: Message>(&self, end: End) -> Result<Outlet<T>, RuntimeError> {
-        Ok(match self {
-            Self::SharedMemory(node) => Outlet::SharedMemory(Rc::new(node.sender(T::TOPIC, end)?)),
-            Self::Memory(seat) => Outlet::Memory(seat.sender(end)),
-        })
-    }
-
-    /// Creates a receiving end of `T`'s topic.
-    pub(crate) fn inlet<T: Message>(&self, wanted: Wanted<'_>) -> Result<Inlet<T>, RuntimeError> {
-        Ok(match self {
-            Self::SharedMemory(node) => Inlet::SharedMemory(Rc::new(node.receiver(T::TOPIC)?)),
-            Self::Memory(seat) => Inlet::Memory(seat.receiver(wanted)),
-        })
-    }
-
-    /// Removes what dead processes left on the topics.
-    pub(super) fn remove_dead(&self) {
+    /// The other processes; `None` in one process, in which each sender is known.
+    pub(crate) fn peers(&self) -> Option<&Peers> {
         match self {
-            Self::SharedMemory(node) => node.remove_dead(),
-            // Members of one process end together.
-            Self::Memory(_) => {}
+            Self::SharedMemory(node) => Some(&node.peers),
+            Self::Memory(_) => None,
+        }
+    }
+
+    /// Creates the sending end of `topic`. In lockstep it waits while a receiver has no room, unless the run was
+    /// aborted.
+    pub(crate) fn sender(&self, topic: Topic, end: End) -> Result<Rc<Sender>, RuntimeError> {
+        Ok(Rc::new(match self {
+            Self::SharedMemory(node) => Sender::SharedMemory(node.sender(topic, end)?),
+            Self::Memory(seat) => Sender::Memory(seat.sender(topic, end)),
+        }))
+    }
+
+    /// Creates a receiving end of `topic`.
+    pub(crate) fn receiver(
+        &self,
+        topic: Topic,
+        wanted: Wanted<'_>,
+    ) -> Result<Rc<Receiver>, RuntimeError> {
+        Ok(Rc::new(match self {
+            Self::SharedMemory(node) => Receiver::SharedMemory(node.receiver(topic)?),
+            Self::Memory(seat) => Receiver::Memory(seat.receiver(topic, wanted)),
+        }))
+    }
+
+    /// Removes what dead processes left on the topics. Members of one process end together.
+    pub(super) fn remove_dead(&self) {
+        if let Self::SharedMemory(node) = self {
+            node.remove_dead();
         }
     }
 
     /// Wakes those who wait for a topic; `None` in one thread, in which services wait for their turn.
     pub(super) fn waker(&self, topic: Topic) -> Option<Waker> {
-        match self {
-            Self::SharedMemory(node) => Some(node.waker(topic)),
-            Self::Memory(_) => None,
-        }
+        self.peers().map(|peers| Waker::new(&peers.words, topic))
     }
 
     pub(super) fn waiter(&self, topic: Topic) -> Waiter {
         match self {
-            Self::SharedMemory(node) => node.waiter(topic),
+            Self::SharedMemory(node) => Waiter::Futex(Waker::new(&node.peers.words, topic)),
             Self::Memory(seat) => seat.waiter(),
         }
     }
@@ -141,67 +151,97 @@ pub(crate) enum Wanted<'a> {
 
 /// The sending end of a topic.
 #[derive(Debug)]
-pub(crate) enum Outlet<T: Message> {
-    SharedMemory(Rc<Sender>),
-    Memory(MemorySender<T>),
+pub(crate) enum Sender {
+    SharedMemory(SendingPort),
+    Memory(MemorySender),
 }
 
-impl<T: Message> Outlet<T> {
+impl Sender {
+    /// Connects to the receivers that exist, ahead of the first message: it creates files and allocates.
+    pub(crate) fn connect(&self) -> Result<(), TransportError> {
+        match self {
+            Self::SharedMemory(port) => port.update_connections().map_err(TransportError::iceoryx2),
+            Self::Memory(_) => Ok(()),
+        }
+    }
+
     /// Memory for a message where its readers will read it. It holds zeros or an earlier message of this
     /// port.
-    pub(crate) fn loan(&self) -> Result<Loan<T>, TransportError> {
-        Ok(match self {
-            Self::SharedMemory(port) => Loan(Place::SharedMemory(port.loan()?)),
-            Self::Memory(port) => Loan(Place::Memory(port.loan())),
-        })
+    pub(crate) fn loan<T: Message>(&self) -> Result<Loan<T>, TransportError> {
+        Ok(Loan::at(match self {
+            Self::SharedMemory(port) => Place::SharedMemory(loan(port)?),
+            Self::Memory(port) => Place::Memory(port.loan()),
+        }))
     }
 
     /// Hands a message that was loaned here to all receivers.
-    pub(crate) fn send(&self, message: Loan<T>) -> Result<(), TransportError> {
+    pub(crate) fn send<T: Message>(&self, message: Loan<T>) -> Result<(), TransportError> {
+        let step = message.header().step;
         match (self, message.0) {
-            (Self::SharedMemory(_), Place::SharedMemory(sample)) => {
+            (_, Place::SharedMemory(sample)) => {
                 sample.send().map(|_| ()).map_err(TransportError::iceoryx2)
             }
-            (Self::Memory(port), Place::Memory(message)) => port.send(message),
-            _ => Err(TransportError::OtherCarrier),
+            (Self::Memory(port), Place::Memory(words)) => port.send(words, step),
+            _ => Err(TransportError::Refused("a message of another carrier")),
         }
     }
 }
 
 /// A receiving end of a topic.
 #[derive(Debug)]
-pub(crate) enum Inlet<T: Message> {
-    SharedMemory(Rc<Receiver>),
-    Memory(MemoryReceiver<T>),
+pub(crate) enum Receiver {
+    SharedMemory(ReceivingPort),
+    Memory(MemoryReceiver),
 }
 
 /// A message that was taken from a topic.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival {
-    /// The port that sent it; `None` in the memory of one process, in which each sender is known.
-    pub(crate) sender: Option<SenderId>,
+    /// Process whose port sent it; `None` in the memory of one process, in which each sender is known.
+    pub(crate) pid: Option<u32>,
     /// Messages since the last look, of which this is the newest.
     pub(crate) messages: u64,
     /// Bytes that were copied to take it.
     pub(crate) copied_bytes: usize,
 }
 
-impl<T: Message> Inlet<T> {
-    /// Room for one message.
-    pub(crate) fn room(&self) -> Held<T> {
+impl Receiver {
+    /// Connects to the senders that exist.
+    pub(crate) fn connect(&self) -> Result<(), TransportError> {
+        match self {
+            Self::SharedMemory(port) => port.update_connections().map_err(TransportError::iceoryx2),
+            Self::Memory(_) => Ok(()),
+        }
+    }
+
+    /// True if a message waits, also where none has to be waited for.
+    pub(crate) fn has_input(&self) -> bool {
+        match self {
+            Self::SharedMemory(port) => port.has_samples().unwrap_or(false),
+            Self::Memory(_) => true,
+        }
+    }
+
+    pub(crate) fn room<T: Message>(&self) -> Held<T> {
         Held::new(matches!(self, Self::SharedMemory(_)))
     }
 
     /// Takes the next message into `held`; `None` if there is none.
-    pub(crate) fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError> {
+    pub(crate) fn receive<T: Message>(
+        &self,
+        held: &mut Held<T>,
+    ) -> Result<Option<Arrival>, TransportError> {
         match self {
-            Self::SharedMemory(port) => Ok(port.receive()?.map(|sample| {
-                let sender = Some(SenderId::of_port(sample.origin().value()));
-                Arrival { sender, messages: 1, copied_bytes: held.take_sample(sample) }
-            })),
-            Self::Memory(port) => Ok(port.receive().map(|(message, messages)| {
-                held.take_shared(message);
-                Arrival { sender: None, messages, copied_bytes: 0 }
+            Self::SharedMemory(port) => {
+                let sample = port.receive().map_err(TransportError::iceoryx2)?;
+                Ok(sample.map(|sample| {
+                    let pid = Some(pid_of(sample.origin().value()));
+                    Arrival { pid, messages: 1, copied_bytes: held.take_sample(sample) }
+                }))
+            }
+            Self::Memory(port) => Ok(port.receive().map(|(words, messages)| {
+                held.take_shared(words);
+                Arrival { pid: None, messages, copied_bytes: 0 }
             })),
         }
     }

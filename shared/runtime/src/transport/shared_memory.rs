@@ -3,14 +3,13 @@
 use super::{buffer, buffer_of};
 use crate::counts::MOST_BYTES as MOST_COUNTS_BYTES;
 use crate::life::link::End;
-use crate::ports::members::Members;
 use crate::survival::checkpoint::MOST_BYTES as MOST_STATE_BYTES;
-use crate::transport::waking::{Waiter, Waker};
-use crate::words::{RunWords, Shared};
+use crate::survival::fence::Peers;
 use crate::{Group, Mode, RuntimeError, Timetable, TransportError};
 use iceoryx2::config::Config;
 use iceoryx2::port::BackpressureAction;
-use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut::SampleMut;
@@ -22,9 +21,8 @@ use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVar
 use messages::{LAYOUT_VERSION, Layout, Service, TOPICS, Topic};
 use std::fmt::Debug;
 use std::os::unix::fs::PermissionsExt;
-use std::path::PathBuf;
-use std::rc::Rc;
-use std::sync::Mutex;
+use std::sync::Arc;
+use std::time::Duration;
 
 /// The iceoryx2 variant of all topics.
 pub use super::pooled::PooledIpc as Ipc;
@@ -42,7 +40,7 @@ const MAX_PEERS: usize = 10;
 const STANDBY_PEERS: usize = 3;
 
 /// Processes on one topic of a group in which `standbys` services have a standby.
-const fn peers(standbys: usize) -> usize {
+const fn most_processes(standbys: usize) -> usize {
     MAX_PEERS + STANDBY_PEERS * standbys
 }
 
@@ -52,91 +50,50 @@ pub fn shared_memory_bytes(timetable: &Timetable, standby: &[Service]) -> u64 {
     /// Management segments of all nodes, services and connections, generously.
     const MANAGEMENT: usize = 1 << 20;
     let each = |topic| buffer_of(topic, buffer(timetable)) + HELD;
-    let messages = |topic| peers(standby.len()) * each(topic) + HISTORY + LOANED;
+    let messages = |topic| most_processes(standby.len()) * each(topic) + HISTORY + LOANED;
     let of = |service: Service| 1 + usize::from(standby.contains(&service));
     let all = Service::ALL.len() + standby.len();
     let publishers = |topic: Topic| topic.sources().iter().map(|&s| of(s)).max().unwrap_or(all);
     let bytes = |topic: Topic| publishers(topic) * messages(topic) * topic.message_bytes();
     let payload: usize = TOPICS.into_iter().map(bytes).sum();
-    (payload + MANAGEMENT + Service::ALL.len() * (MOST_COUNTS_BYTES + MOST_STATE_BYTES)) as u64
+    // A service's own state, and the accounts of three processes.
+    let kept = Service::ALL.len() * (MOST_COUNTS_BYTES + 4 * MOST_STATE_BYTES);
+    (payload + MANAGEMENT + kept) as u64
 }
 
 /// A payload: the bytes of one message. iceoryx2 compiles its ports once for all types, and gets size, alignment and
 /// name of the type of each topic when it is opened. A program that uses the types themselves meets ours.
-pub(super) type Payload = [CustomPayloadMarker];
-pub(super) type LoanedSample = SampleMut<Ipc, Payload, CustomHeaderMarker>;
-pub(super) type ReceivedSample = Sample<Ipc, Payload, CustomHeaderMarker>;
+pub(crate) type Payload = [CustomPayloadMarker];
+pub(crate) type LoanedSample = SampleMut<Ipc, Payload, CustomHeaderMarker>;
+pub(crate) type ReceivedSample = Sample<Ipc, Payload, CustomHeaderMarker>;
+pub(crate) type SendingPort = Publisher<Ipc, Payload, CustomHeaderMarker>;
+pub(crate) type ReceivingPort = Subscriber<Ipc, Payload, CustomHeaderMarker>;
 
 type Factory = publish_subscribe::PortFactory<Ipc, Payload, CustomHeaderMarker>;
 
-/// The sending end of a topic.
-#[derive(Debug)]
-pub(crate) struct Sender(iceoryx2::port::publisher::Publisher<Ipc, Payload, CustomHeaderMarker>);
-
-impl Sender {
-    /// Connects to the receivers that exist, ahead of the first message: it creates files and allocates.
-    pub(crate) fn connect(&self) -> Result<(), TransportError> {
-        self.0.update_connections().map_err(TransportError::iceoryx2)
-    }
-
-    #[expect(unsafe_code, reason = "a message is not written twice to please the type")]
-    pub(super) fn loan(&self) -> Result<LoanedSample, TransportError> {
-        // SAFETY: a topic has one payload a message.
-        let sample = unsafe { self.0.loan_custom_payload(1) }.map_err(TransportError::iceoryx2)?;
-        // SAFETY: the payload is a part of a file in memory that this process has mapped. It holds zeros or an earlier
-        // message.
-        Ok(unsafe { sample.assume_init() })
-    }
+/// Memory for a message of `port`.
+#[expect(unsafe_code, reason = "a message is not written twice to please the type")]
+pub(super) fn loan(port: &SendingPort) -> Result<LoanedSample, TransportError> {
+    // SAFETY: a topic has one payload a message.
+    let sample = unsafe { port.loan_custom_payload(1) }.map_err(TransportError::iceoryx2)?;
+    // SAFETY: the payload is a part of a file in memory that this process has mapped. It holds zeros or an earlier
+    // message.
+    Ok(unsafe { sample.assume_init() })
 }
 
-/// A receiving end of a topic.
-#[derive(Debug)]
-pub(crate) struct Receiver(
-    iceoryx2::port::subscriber::Subscriber<Ipc, Payload, CustomHeaderMarker>,
-);
-
-impl Receiver {
-    /// Connects to the senders that exist.
-    pub(crate) fn connect(&self) -> Result<(), TransportError> {
-        self.0.update_connections().map_err(TransportError::iceoryx2)
-    }
-
-    /// True if a message waits.
-    pub(crate) fn has_input(&self) -> bool {
-        self.0.has_samples().unwrap_or(false)
-    }
-
-    /// The oldest message not yet taken.
-    pub(super) fn receive(&self) -> Result<Option<ReceivedSample>, TransportError> {
-        self.0.receive().map_err(TransportError::iceoryx2)
-    }
-}
-
-/// A sending port, unique on this host: the high and the low half of 128 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SenderId(u64, u64);
-
-impl SenderId {
-    /// Port `id` of iceoryx2.
-    pub(super) fn of_port(id: u128) -> Self {
-        Self((id >> 64) as u64, id as u64)
-    }
-
-    /// The process that made it: iceoryx2's ids are seconds, nanoseconds, process, counter.
-    pub(crate) fn pid(self) -> u32 {
-        self.0 as u32
-    }
+/// The process that made port `id` of iceoryx2. From the lowest bits on, ids are seconds, nanoseconds, process, counter.
+pub(super) fn pid_of(id: u128) -> u32 {
+    (id >> 64) as u32
 }
 
 /// A node in the run's private iceoryx2 domain.
 #[derive(Debug)]
 pub(crate) struct SharedMemory {
     node: Node<Ipc>,
-    words: Rc<Shared<RunWords>>,
+    pub(crate) peers: Peers,
     mode: Mode,
     buffer: usize,
-    peers: usize,
-    root: PathBuf,
+    most_processes: usize,
 }
 
 impl SharedMemory {
@@ -155,14 +112,12 @@ impl SharedMemory {
             .map_err(error)?;
         let system = |what| move |reason| error(TransportError::System(what, reason));
         keep_to_this_user(&group.prefix).map_err(system("shared memory"))?;
-        let words = Rc::new(RunWords::map(&group.prefix).map_err(system("wake words"))?);
         Ok(Self {
             node,
-            words,
+            peers: Peers::of(group).map_err(system("words of the run"))?,
             mode: group.mode,
             buffer: buffer(&group.timetable),
-            peers: peers(group.standby.len()),
-            root: group.root.clone(),
+            most_processes: most_processes(group.standby.len()),
         })
     }
 
@@ -195,9 +150,9 @@ impl SharedMemory {
                 .__internal_set_user_header_type_details(&TypeDetail::new::<()>(fixed))
         };
         builder
-            .max_publishers(self.peers)
-            .max_subscribers(self.peers)
-            .max_nodes(2 * self.peers)
+            .max_publishers(self.most_processes)
+            .max_subscribers(self.most_processes)
+            .max_nodes(2 * self.most_processes)
             .subscriber_max_buffer_size(buffer_of(topic, self.buffer))
             .subscriber_max_borrowed_samples(HELD)
             // A restarted receiver begins with it.
@@ -208,83 +163,50 @@ impl SharedMemory {
     }
 
     /// Creates the sending end of `topic`.
-    pub(crate) fn sender(&self, topic: Topic, end: End) -> Result<Sender, RuntimeError> {
-        let group = Listeners::of(&self.root);
+    ///
+    /// In lockstep each process of the group gets each of its messages: the sender waits for room. A process that
+    /// joined on its own gets only what it has room for. So it cannot hold up the run.
+    pub(crate) fn sender(&self, topic: Topic, end: End) -> Result<SendingPort, RuntimeError> {
+        let words = Arc::clone(&self.peers.words);
         let port = self
             .topic(topic)?
             .publisher_builder()
             .max_loaned_samples(LOANED)
             .set_backpressure_handler(move |full| {
-                if end.is_now() || !group.waits_for(full.receiver_port_id) {
+                if end.is_now() || !words.is_in_group(pid_of(full.receiver_port_id)) {
                     return BackpressureAction::DiscardData;
                 }
-                std::thread::sleep(std::time::Duration::from_micros(20));
+                std::thread::sleep(Duration::from_micros(20));
                 BackpressureAction::Retry
             })
             .create()
             .map_err(refused(topic))?;
-        if SenderId::of_port(port.id().value()).pid() != std::process::id() {
-            return Err(RuntimeError::Topic("open", topic, TransportError::PortId));
+        if pid_of(port.id().value()) != std::process::id() {
+            let reason = TransportError::Refused("iceoryx2's port ids do not name the process");
+            return Err(RuntimeError::Topic("open", topic, reason));
         }
-        Ok(Sender(port))
+        Ok(port)
     }
 
     /// Creates a receiving end of `topic`.
-    pub(crate) fn receiver(&self, topic: Topic) -> Result<Receiver, RuntimeError> {
-        let port = (self.topic(topic)?.subscriber_builder()).create().map_err(refused(topic))?;
-        Ok(Receiver(port))
+    pub(crate) fn receiver(&self, topic: Topic) -> Result<ReceivingPort, RuntimeError> {
+        self.topic(topic)?.subscriber_builder().create().map_err(refused(topic))
     }
 
     /// Begins to open an iceoryx2 service that is not a topic.
     pub(crate) fn service(&self, name: &ServiceName) -> Builder<Ipc> {
         self.node.service_builder(name)
     }
-
-    pub(crate) fn waker(&self, topic: Topic) -> Waker {
-        Waker::new(&self.words, topic)
-    }
-
-    pub(crate) fn waiter(&self, topic: Topic) -> Waiter {
-        Waiter::new(&self.words, topic)
-    }
-}
-
-/// Receiving ports with a full buffer, and whether their process belongs to the group.
-///
-/// In lockstep each process of the group gets each of its messages: the sender waits for room. A process that joined on
-/// its own gets only what it has room for. So it cannot hold up the run.
-struct Listeners {
-    members: Members,
-    /// Listeners that were looked up so far, newest last; few ports ever have a full buffer.
-    known: Mutex<[Option<(u128, bool)>; REMEMBERED_LISTENERS]>,
-}
-
-/// Receiving ports that a sender keeps.
-const REMEMBERED_LISTENERS: usize = 2 * MAX_PEERS;
-
-impl Listeners {
-    fn of(root: &std::path::Path) -> Self {
-        Self { members: Members::of(root), known: Mutex::new([None; REMEMBERED_LISTENERS]) }
-    }
-
-    /// True if the process of receiving port `port` belongs to the group.
-    fn waits_for(&self, port: u128) -> bool {
-        let mut known = self.known.lock().expect("no holder panics");
-        if let Some((_, belongs)) = known.iter().flatten().find(|(id, _)| *id == port) {
-            return *belongs;
-        }
-        let belongs = self.members.is_in_group(SenderId::of_port(port).pid());
-        known.rotate_left(1);
-        known[REMEMBERED_LISTENERS - 1] = Some((port, belongs));
-        belongs
-    }
 }
 
 /// iceoryx2's configuration for the run's private domain.
-pub fn domain(group: &Group) -> Result<Config, RuntimeError> {
+fn domain(group: &Group) -> Result<Config, RuntimeError> {
     let error = |reason| RuntimeError::Node(group.root.clone(), reason);
     let mut config = Config::default();
-    let root = group.root.to_str().ok_or_else(|| error(TransportError::Path))?;
+    let root = group
+        .root
+        .to_str()
+        .ok_or_else(|| error(TransportError::Refused("the path is not UTF-8")))?;
     config.global.prefix =
         FileName::new(group.prefix.as_bytes()).map_err(TransportError::iceoryx2).map_err(error)?;
     // The launcher cleans up after each death; a service that starts has no time for it.

@@ -22,33 +22,84 @@ use rustix::thread::futex;
 use std::cell::Cell;
 use std::io;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
-/// Wakes those who wait for a topic in other processes.
-#[derive(Debug)]
+/// The word of a topic, by which its sender wakes those who wait for it in other processes.
+#[derive(Clone, Debug)]
 pub struct Waker {
-    words: Rc<Shared<RunWords>>,
+    words: Arc<Shared<RunWords>>,
     topic: Topic,
 }
 
 impl Waker {
-    pub(super) fn new(words: &Rc<Shared<RunWords>>, topic: Topic) -> Self {
-        Self { words: Rc::clone(words), topic }
+    pub(crate) fn new(words: &Arc<Shared<RunWords>>, topic: Topic) -> Self {
+        Self { words: Arc::clone(words), topic }
     }
 
     /// Wakes all who wait. To be called after the sample was sent.
-    ///
-    /// # Panics
-    /// Never: the word is mapped.
     pub fn wake(&self) {
-        wake(&self.words, self.topic);
+        wake_word(self.words.wake(self.topic));
+    }
+
+    /// The state of the word, to be taken before looking for a sample.
+    pub fn ticket(&self) -> u32 {
+        self.words.wake(self.topic).load(Ordering::Acquire)
+    }
+
+    /// Waits until a sender woke the topic's waiters since `ticket` was taken, at most for `timeout`. A signal ends the
+    /// wait early.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn wait(&self, ticket: u32, timeout: Duration) -> io::Result<()> {
+        wait_word(self.words.wake(self.topic), ticket, timeout)
     }
 }
 
-/// Wakes all who wait for `topic`.
-pub(crate) fn wake(words: &RunWords, topic: Topic) {
-    wake_word(words.wake(topic));
+/// Means by which a receiver waits for a topic.
+#[derive(Debug)]
+pub(crate) enum Waiter {
+    Futex(Waker),
+    /// By letting the other services of the thread go on.
+    InProcess {
+        /// The handle that gives the turn away.
+        pause: Pause,
+        /// No message will come any more.
+        stalled: Rc<Cell<bool>>,
+    },
+}
+
+impl Waiter {
+    /// As [`Waker::ticket`].
+    pub(crate) fn ticket(&self) -> u32 {
+        match self {
+            Self::Futex(waker) => waker.ticket(),
+            Self::InProcess { .. } => 0,
+        }
+    }
+
+    /// As [`Waker::wait`]. Another service's wait in this thread ends it too.
+    pub(crate) fn wait(&self, ticket: u32, timeout: Duration) -> io::Result<()> {
+        match self {
+            Self::Futex(waker) => waker.wait(ticket, timeout),
+            Self::InProcess { pause, .. } => {
+                pause.wait();
+                Ok(())
+            }
+        }
+    }
+
+    /// True if a wait is another service's turn in this thread.
+    pub(crate) fn is_in_process(&self) -> bool {
+        matches!(self, Self::InProcess { .. })
+    }
+
+    /// True if waiting longer is of no use.
+    pub(crate) fn is_in_vain(&self) -> bool {
+        matches!(self, Self::InProcess { stalled, .. } if stalled.get())
+    }
 }
 
 /// Moves a word in shared memory, and wakes all who wait for that.
@@ -73,73 +124,6 @@ pub fn wait_word(word: &AtomicU32, seen: u32, timeout: Duration) -> io::Result<(
     }
 }
 
-/// The state of a topic's word before a look at the topic.
-#[derive(Clone, Copy, Debug)]
-pub struct Ticket(u32);
-
-/// Waits for a topic.
-#[derive(Debug)]
-pub struct Waiter(Way);
-
-#[derive(Debug)]
-enum Way {
-    Futex {
-        words: Rc<Shared<RunWords>>,
-        topic: Topic,
-    },
-    /// By letting the other services of the thread go on.
-    InProcess {
-        /// The handle that gives the turn away.
-        pause: Pause,
-        /// No message will come any more.
-        stalled: Rc<Cell<bool>>,
-    },
-}
-
-impl Waiter {
-    pub(super) fn new(words: &Rc<Shared<RunWords>>, topic: Topic) -> Self {
-        Self(Way::Futex { words: Rc::clone(words), topic })
-    }
-
-    /// Waits in a run in one process. `stalled` is set when no message will come any more.
-    pub(crate) fn in_process(pause: Pause, stalled: Rc<Cell<bool>>) -> Self {
-        Self(Way::InProcess { pause, stalled })
-    }
-
-    /// To be taken before looking for a sample.
-    pub fn ticket(&self) -> Ticket {
-        match &self.0 {
-            Way::Futex { words, topic } => Ticket(words.wake(*topic).load(Ordering::Acquire)),
-            Way::InProcess { .. } => Ticket(0),
-        }
-    }
-
-    /// Waits until a sender woke the topic's waiters since `ticket` was taken, at most for `timeout`. A signal ends the
-    /// wait early, and so does another service's wait in this thread.
-    ///
-    /// # Errors
-    /// If the system refuses.
-    pub fn wait(&self, ticket: Ticket, timeout: Duration) -> io::Result<()> {
-        match &self.0 {
-            Way::Futex { words, topic } => wait_word(words.wake(*topic), ticket.0, timeout),
-            Way::InProcess { pause, .. } => {
-                pause.wait();
-                Ok(())
-            }
-        }
-    }
-
-    /// True if a wait is another service's turn in this thread.
-    pub(crate) fn is_in_process(&self) -> bool {
-        matches!(self.0, Way::InProcess { .. })
-    }
-
-    /// True if waiting longer is of no use.
-    pub(crate) fn is_in_vain(&self) -> bool {
-        matches!(&self.0, Way::InProcess { stalled, .. } if stalled.get())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,8 +138,8 @@ mod tests {
             Self(format!("timegap_test-{}-{test}_", std::process::id()))
         }
 
-        fn words(&self) -> Rc<Shared<RunWords>> {
-            Rc::new(RunWords::map(&self.0).expect("shared memory"))
+        fn words(&self) -> Arc<Shared<RunWords>> {
+            Arc::new(RunWords::map(&self.0).expect("shared memory"))
         }
     }
 
@@ -169,7 +153,7 @@ mod tests {
     fn a_wake_up_between_look_and_wait_is_not_lost() {
         let page = Page::new("between");
         let (ours, theirs) = (page.words(), page.words());
-        let waiter = Waiter::new(&ours, Topic::Command);
+        let waiter = Waker::new(&ours, Topic::Command);
         let ticket = waiter.ticket();
         Waker::new(&theirs, Topic::Command).wake();
         let begun = Instant::now();
@@ -181,7 +165,7 @@ mod tests {
     fn another_topic_wakes_no_waiter_and_the_timeout_ends_the_wait() {
         let page = Page::new("another");
         let words = page.words();
-        let waiter = Waiter::new(&words, Topic::Command);
+        let waiter = Waker::new(&words, Topic::Command);
         let ticket = waiter.ticket();
         Waker::new(&words, Topic::Odometry).wake();
         let begun = Instant::now();
@@ -198,7 +182,7 @@ mod tests {
         let page = Page::new("many");
         let play = |page: &Page, wake: Topic, wait: Topic, mine: u64| {
             let words = page.words();
-            let (waker, waiter) = (Waker::new(&words, wake), Waiter::new(&words, wait));
+            let (waker, waiter) = (Waker::new(&words, wake), Waker::new(&words, wait));
             let mut timeouts = 0;
             loop {
                 let ticket = waiter.ticket();

@@ -15,7 +15,6 @@ use std::sync::atomic::{AtomicU32, AtomicU64};
 
 pub(crate) const PAGE_BYTES: usize = 4096;
 
-/// One page of words.
 pub type SharedWords = Shared<[AtomicU32; PAGE_BYTES / size_of::<AtomicU32>()]>;
 
 /// A type of which shared memory can hold a value.
@@ -102,7 +101,13 @@ pub(crate) struct RunWords {
     /// Counts of notifications, one for each topic. Programs of users wake by them too: a word every 64 bytes.
     wake: [Line<AtomicU32>; TOPICS.len()],
     services: [Line<ServiceWords>; Service::ALL.len()],
+    /// Processes that only listen, as the members below.
+    pub(crate) listeners: [AtomicU64; KNOWN],
 }
+
+/// Processes of a service, and listeners, that are known at the same time. A few of them live. Messages of the others
+/// may still be on their way.
+pub(crate) const KNOWN: usize = 16;
 
 /// Processes of a service in a row that have an end word of their own.
 pub(crate) const END_WORDS: usize = 15;
@@ -114,6 +119,8 @@ pub(crate) struct ServiceWords {
     pub(crate) epoch: AtomicU32,
     /// Words in which the kernel marks the end of a process, by its incarnation.
     pub(crate) ends: [AtomicU32; END_WORDS],
+    /// The service's members.
+    pub(crate) processes: [AtomicU64; KNOWN],
 }
 
 // SAFETY: words alone.

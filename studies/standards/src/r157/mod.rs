@@ -244,7 +244,7 @@ mod tests {
     use messages::Service;
     use supervise::GroupOptions;
     use supervise::in_process;
-    use supervise::report::Details;
+    use supervise::report::PlantReport;
 
     use super::*;
 
@@ -259,9 +259,8 @@ mod tests {
         let scenes = Scenes::new(1, DriveOptions::default());
         let scenario = scenes.scenario(case, law, aebs).expect("a law");
         let group = in_process::run(&scenario).expect("it runs");
-        let Details::Plant(plant) = &group.reports[&Service::Plant].details else {
-            panic!("the plant has its own report")
-        };
+        let plant = group.reports[&Service::Plant].details.read::<PlantReport>();
+        let plant = plant.expect("the plant has its own report");
         let reports = group.reports.iter().filter(|(service, _)| **service != Service::Aebs);
         let sent = reports.flat_map(|(_, report)| &report.sent);
         let sent = sent.filter(|sent| sent.topic != "health/heartbeat");

@@ -5,7 +5,7 @@ use crate::log::kept_steps::KeptSteps;
 use crate::log::present::join;
 use crate::report::ReceivedTopic;
 use messages::{AllVehicles, Header, MAX_TRACKS, Message, MoreVehicles, Topic, VehicleTruth};
-use runtime::{Observed, Observer, RuntimeError};
+use runtime::{Observer, RuntimeError, Subscriber};
 
 /// Steps so far, and room for those to come: a long drive allocates no more than a short one.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ impl Truths {
 /// The topic of a scenario with many vehicles, and its messages that wait for the first ones of their steps.
 #[derive(Debug)]
 pub(crate) struct Further {
-    topic: Observed<MoreVehicles>,
+    topic: Subscriber<MoreVehicles>,
     waiting: Vec<MoreVehicles>,
 }
 
@@ -74,7 +74,7 @@ pub(crate) trait Headers: std::fmt::Debug {
     fn drain_headers(&mut self, each: &mut dyn FnMut(Topic, &Header)) -> Result<(), RuntimeError>;
 }
 
-impl<T: Message> Headers for Observed<T> {
+impl<T: Message> Headers for Subscriber<T> {
     fn drain_headers(&mut self, each: &mut dyn FnMut(Topic, &Header)) -> Result<(), RuntimeError> {
         self.drain(|message| each(T::TOPIC, message.header()))
     }

@@ -22,7 +22,7 @@ use messages::{
 use plane::PlaneTopics;
 use present::{place_at, take_step};
 use runtime::statistics::Latencies;
-use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
+use runtime::{Group, InProcess, Mode, Observer, RuntimeError, Subscriber, Timetable};
 use scenario::Scenario;
 
 /// Most messages of a topic that have room from the start.
@@ -32,14 +32,14 @@ const MOST_ROOM: u64 = 100_000;
 #[derive(Debug)]
 pub struct DriveLog {
     // Ports before the node that owns them.
-    ego: Observed<EgoTruth>,
-    powertrain: Observed<Powertrain>,
-    truth: Observed<VehicleTruth>,
+    ego: Subscriber<EgoTruth>,
+    powertrain: Subscriber<Powertrain>,
+    truth: Subscriber<VehicleTruth>,
     further: Option<Further>,
-    command: Observed<Command>,
-    diagnostics: Observed<Diagnostics>,
-    brake: Observed<Brake>,
-    heartbeat: Observed<Heartbeat>,
+    command: Subscriber<Command>,
+    diagnostics: Subscriber<Diagnostics>,
+    brake: Subscriber<Brake>,
+    heartbeat: Subscriber<Heartbeat>,
     /// On a road with a plan.
     plane: Option<PlaneTopics>,
     /// Topics that show the first messages of restarted services in realtime, beside those above.

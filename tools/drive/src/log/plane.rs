@@ -14,7 +14,7 @@ use messages::{
     AllVehicles, EgoPose, Header, MAX_TRACKS, Message, MorePoses, RadarTracks, Topic, VehiclePose,
     VehiclePoses,
 };
-use runtime::{Observed, Observer, RuntimeError};
+use runtime::{Observer, RuntimeError, Subscriber};
 
 use crate::log::present::{join, take_step};
 use crate::report::ReceivedTopic;
@@ -126,11 +126,11 @@ impl Body {
 /// The topics of a road with a plan, and their messages so far.
 #[derive(Debug)]
 pub(crate) struct PlaneTopics {
-    pose: Observed<EgoPose>,
-    poses: Observed<VehiclePoses>,
+    pose: Subscriber<EgoPose>,
+    poses: Subscriber<VehiclePoses>,
     /// Present in a scenario with more vehicles than the first message has room for.
-    more: Option<Observed<MorePoses>>,
-    tracks: Observed<RadarTracks>,
+    more: Option<Subscriber<MorePoses>>,
+    tracks: Subscriber<RadarTracks>,
     pub(crate) log: PlaneLog,
 }
 
@@ -168,7 +168,7 @@ impl PlaneTopics {
     pub(crate) fn received(&self) -> Vec<ReceivedTopic> {
         let mut received =
             vec![self.pose.received(), self.poses.received(), self.tracks.received()];
-        received.extend(self.more.as_ref().map(Observed::received));
+        received.extend(self.more.as_ref().map(Subscriber::received));
         received
     }
 }

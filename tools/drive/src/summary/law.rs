@@ -1,6 +1,6 @@
 //! Driver of a run: the law that was asked for, or its backup.
 
-use crate::report::{ControllerReport, Details, Hops, Outcome, PlantReport, ServiceReport};
+use crate::report::{AebsReport, ControllerReport, Hops, Outcome, PlantReport, ServiceReport};
 use runtime::statistics::Percentiles;
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -105,10 +105,8 @@ impl Aebs {
         report: Option<&ServiceReport>,
     ) -> Self {
         let figures = plant.and_then(|plant| plant.aebs.as_ref());
-        let own = report.and_then(|report| match &report.details {
-            Details::Aebs(aebs) => Some(aebs),
-            _ => None,
-        });
+        let own: Option<AebsReport> = report.and_then(|report| report.details.read());
+        let own = own.as_ref();
         Self {
             enabled: scenario.has_aebs(),
             warnings: figures.map(|figures| figures.warnings),

@@ -12,9 +12,8 @@ pub use topics::{Host, TopicCounts};
 pub use trip::{Passing, Trip};
 
 use crate::report::{
-    CheckReport, ControlFigures, ControllerReport, Details, Hops, LinkReport, ModeChange,
-    ObuReport, Outcome, PerceptionReport, PlanningReport, PlantReport, ProgramReport,
-    ServiceReport, SignalHops, WorstChain,
+    CheckReport, ControlFigures, ControllerReport, Hops, LinkReport, ModeChange, ObuReport,
+    Outcome, PerceptionReport, PlanningReport, PlantReport, ProgramReport, SignalHops, WorstChain,
 };
 use crate::{
     Ended, Evidence, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, RequirementVerdict,
@@ -185,11 +184,10 @@ impl Summary {
     /// The summary of a group's run.
     pub fn new(scenario: &Scenario, mode: Mode, group: &GroupOutcome, wall: Duration) -> Self {
         let report = |service| group.reports.get(&service);
-        let plant = report(Service::Plant).and_then(plant_details);
-        let controller = report(Service::Controller).and_then(|report| match &report.details {
-            Details::Controller(controller) => Some(&**controller),
-            _ => None,
-        });
+        let plant = plant_report(group);
+        let plant = plant.as_ref();
+        let controller = report(Service::Controller).and_then(|report| report.details.read());
+        let controller: Option<&ControllerReport> = controller.as_ref();
         let deadline_misses = controller
             .filter(|_| mode == Mode::Realtime)
             .map(|controller| controller.deadline_misses);
@@ -206,10 +204,8 @@ impl Summary {
         let evidence = Evidence { scenario, drive: &group.drive, impact_speed_mps };
         let requirements = judge(&evidence);
         let all_met = requirements.iter().all(|verdict| verdict.met);
-        let perception = report(Service::PerceptionSim).and_then(|report| match &report.details {
-            Details::Perception(perception) => Some((**perception).clone()),
-            _ => None,
-        });
+        let perception = report(Service::PerceptionSim);
+        let perception: Option<PerceptionReport> = perception.and_then(|of| of.details.read());
         let outcome = match outcome {
             Outcome::Completed if !has_begun(scenario, perception.as_ref()) => Outcome::NoStory,
             Outcome::Completed if !all_met => Outcome::RequirementBroken,
@@ -372,14 +368,9 @@ fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<Strin
 
 /// The plant's histograms by name; empty without its report.
 pub fn histograms(group: &GroupOutcome) -> Vec<(String, Latencies)> {
-    let plant = group.reports.get(&Service::Plant).and_then(plant_details);
-    let histograms = plant.into_iter().flat_map(|plant| &plant.histograms);
-    histograms.map(|(name, histogram)| (name.clone(), histogram.clone())).collect()
+    plant_report(group).into_iter().flat_map(|plant| plant.histograms).collect()
 }
 
-fn plant_details(report: &ServiceReport) -> Option<&PlantReport> {
-    match &report.details {
-        Details::Plant(plant) => Some(plant),
-        _ => None,
-    }
+fn plant_report(group: &GroupOutcome) -> Option<PlantReport> {
+    group.reports.get(&Service::Plant)?.details.read()
 }

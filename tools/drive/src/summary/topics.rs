@@ -1,6 +1,6 @@
 //! Counts of the messages of a run.
 
-use crate::report::{Details, LinkReport, ObuReport, ReceivedTopic, ServiceReport};
+use crate::report::{LinkReport, ObuReport, ReceivedTopic, ServiceReport};
 use crate::{Drive, GroupOutcome};
 use messages::Service;
 use messages::e2e::Outcomes;
@@ -87,16 +87,10 @@ impl Host {
 
 /// The on-board unit's report; `None` without one.
 pub(super) fn unit(group: &GroupOutcome) -> Option<ObuReport> {
-    match &group.reports.get(&Service::Obu)?.details {
-        Details::Obu(report) => Some((**report).clone()),
-        _ => None,
-    }
+    group.reports.get(&Service::Obu)?.details.read()
 }
 
 /// The carrier's report from v2x-sim; `None` without one.
 pub(super) fn link(group: &GroupOutcome) -> Option<LinkReport> {
-    match &group.reports.get(&Service::V2xSim)?.details {
-        Details::Link(report) => Some((**report).clone()),
-        _ => None,
-    }
+    group.reports.get(&Service::V2xSim)?.details.read::<Option<_>>().flatten()
 }

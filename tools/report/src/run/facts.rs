@@ -5,7 +5,6 @@ use crate::results::Fact;
 use crate::summary::{Summary, Timing, TopicCounts};
 use messages::Service;
 use messages::level::Level;
-use runtime::scheduling::Asked;
 use std::collections::BTreeMap;
 use supervise::RecordingSummary;
 use supervise::report::{ProgramReport, StationReport};
@@ -203,9 +202,9 @@ fn refusals(summary: &Summary) -> Option<String> {
     let mut refused: Vec<String> = Vec::new();
     for refusal in granted.flat_map(|granted| &granted.refused) {
         // Priorities differ between services; the reason does not.
-        let line = match refusal.what {
-            Asked::Fifo(_) => format!("real-time priority: {}", refusal.why),
-            Asked::TimerSlack | Asked::Core(_) | Asked::LockedMemory => refusal.to_string(),
+        let line = match refusal.strip_prefix("fifo:").and_then(|rest| rest.split_once(": ")) {
+            Some((_, why)) => format!("real-time priority: {why}"),
+            None => refusal.clone(),
         };
         if !refused.contains(&line) {
             refused.push(line);

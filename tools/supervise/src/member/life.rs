@@ -1,15 +1,17 @@
 //! A service's whole life: what all its processes counted, as one report.
 //!
-//! A process that dies leaves its account in shared memory ([`ServiceCounts::take_account`]). Its histograms go on over all
+//! A process that dies leaves its account in shared memory ([`LastAccount`]). Its histograms go on over all
 //! processes of a service ([`ServiceCounts::figures`]). The launcher has received its messages on the topics.
 
 use controller::laws;
 use drive::log::{CycleHistory, DriveLog};
-use drive::report::{ControllerReport, Details, ModeChange, Outcome, PlantReport, ServiceReport};
+use drive::report::{
+    ControllerReport, ModeChange, ObuReport, Outcome, Payload, PlantReport, ServiceReport,
+};
 use messages::Service;
 use runtime::scheduling::Granted;
 use runtime::statistics::Percentiles;
-use runtime::{Group, RELEASE_JITTER, ServiceCounts};
+use runtime::{Group, LastAccount, RELEASE_JITTER, ServiceCounts};
 use scenario::Scenario;
 use std::collections::BTreeMap;
 
@@ -20,7 +22,7 @@ pub fn left_by(
     incarnation: u32,
     scheduling: Granted,
 ) -> ServiceReport {
-    let account = ServiceCounts::of(group, service).take_account(incarnation).unwrap_or_default();
+    let account = LastAccount::take(group, service, incarnation).unwrap_or_default();
     ServiceReport {
         service,
         cycles: account.cycles,
@@ -32,7 +34,7 @@ pub fn left_by(
         peak_rss_kib: None,
         scheduling,
         fault_statistics: account.faults,
-        details: Details::None,
+        details: Payload::default(),
     }
 }
 
@@ -123,37 +125,32 @@ fn mode_changes(scenario: &Scenario, history: &CycleHistory) -> Vec<ModeChange> 
 /// Adds figures of processes that could not report them.
 pub fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, log: &DriveLog) {
     whole.release_jitter_us = release_jitter_us(group, whole.service).or(whole.release_jitter_us);
-    match (whole.service, &whole.details) {
-        (Service::Controller, details) => {
-            let last = match details {
-                Details::Controller(last) => Some(&**last),
-                _ => None,
-            };
-            let report = of_controller(group, scenario, log, last);
+    let details = &whole.details;
+    let known = match whole.service {
+        Service::Controller => {
+            let report = of_controller(group, scenario, log, details.read().as_ref());
             // A program of the user's keeps no account; its cycles were counted by its messages.
             whole.cycles = whole.cycles.max(log.history().count);
-            whole.details = Details::Controller(Box::new(report));
+            Some(Payload::of(&report))
         }
-        (Service::Plant, Details::None) => {
+        Service::Plant if details.read::<PlantReport>().is_none() => {
             let report = plant::last_known(group).unwrap_or_else(|| PlantReport {
                 duration_s: log.reached_s(),
                 control: log.figures(),
                 outcome: Outcome::Aborted,
                 ..PlantReport::default()
             });
-            whole.details = Details::Plant(Box::new(report));
+            Some(Payload::of(&report))
         }
-        (Service::Aebs, _) => {
-            let report = aebs::last_known(group, scenario, whole.skipped);
-            whole.details = Details::Aebs(Box::new(report));
-        }
-        (Service::Obu, Details::None) => {
-            if let Some(report) = obu::last_known(group) {
-                whole.details = Details::Obu(Box::new(report));
-            }
+        Service::Aebs => Some(Payload::of(&aebs::last_known(group, scenario, whole.skipped))),
+        Service::Obu if details.read::<ObuReport>().is_none() => {
+            obu::last_known(group).map(|report| Payload::of(&report))
         }
         // The counts in shared memory are all that is known.
-        _ => {}
+        _ => None,
+    };
+    if let Some(known) = known {
+        whole.details = known;
     }
 }
 
@@ -186,7 +183,7 @@ mod tests {
                 refused: Vec::new(),
             },
             fault_statistics: Vec::new(),
-            details: Details::None,
+            details: Payload::default(),
         }
     }
 

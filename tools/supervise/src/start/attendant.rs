@@ -59,7 +59,7 @@ impl Attendant {
         let error = MachineError::cannot(format!("start the {shown}"));
         let mut child = command.spawn().map_err(&error)?;
         if name != BRIDGE {
-            enroll_listener(root.path(), child.id())?;
+            enroll_listener(root.prefix(), child.id())?;
         }
         let input = child.stdin.take();
         let out = child.stdout.take().expect("piped");

@@ -35,7 +35,7 @@ pub fn of_service(service: Service, path: &Path, here: &Path) -> Result<Program,
     let command = [path.to_string_lossy().into_owned()];
     Program::of(&command, here).map_err(|reason| {
         let place = format_args!("--service {service}={}", path.display());
-        UsageError::at(place, reason.message(), reason.expected())
+        UsageError::at(place, reason.message, reason.expected)
     })
 }
 

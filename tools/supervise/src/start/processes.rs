@@ -33,7 +33,7 @@ pub struct Process {
     orders: Option<ChildStdin>,
     status: Option<ExitStatus>,
     /// The thread that waits for its end.
-    follower: Arc<AtomicI32>,
+    followers: Arc<[AtomicI32; 2]>,
 }
 
 impl Process {
@@ -67,32 +67,30 @@ impl Process {
             None => MachineError::cannot(format_args!("start {service}"))(e).into(),
         })?;
         if !waits {
-            enroll(root.path(), service, incarnation, child.id())?;
+            enroll(root.prefix(), service, incarnation, child.id())?;
         }
         let orders = child.stdin.take();
         let out = child.stdout.take().expect("piped");
         let err = child.stderr.take().expect("piped");
         let (prefix, id) = (root.prefix().to_owned(), child.id());
         let on_end = move || remove_unfinished(&prefix, id);
-        let follower = follow(ServiceProcess { service, incarnation }, on_end, out, err, events)
+        let followers = follow(ServiceProcess { service, incarnation }, on_end, out, err, events)
             .map_err(MachineError::cannot("start a thread"))?;
         let group = if group == 0 { pid(&child) } else { group };
-        Ok(Self { child, group, orders, status: None, follower })
+        Ok(Self { child, group, orders, status: None, followers })
     }
 
     /// Lets a process that waits for it into the run at `root`.
     pub fn let_in(&mut self, who: (Service, u32), root: &RunRoot) -> Result<(), Error> {
-        enroll(root.path(), who.0, who.1, self.child.id())?;
+        enroll(root.prefix(), who.0, who.1, self.child.id())?;
         self.order(&ToService::Join);
         Ok(())
     }
 
-    /// Gives the thread that waits for its end this priority: on a busy machine an ordinary one notices it late.
-    pub fn raise_follower(&self, priority: u8) {
-        let thread = self.follower.load(Ordering::Acquire);
-        if thread > 0 {
-            set_fifo_of(thread, priority);
-        }
+    /// Gives the threads that wait for its end this priority: on a busy machine ordinary ones notice it late.
+    pub fn raise_followers(&self, priority: u8) {
+        let threads = self.followers.iter().map(|thread| thread.load(Ordering::Acquire));
+        threads.filter(|thread| *thread > 0).for_each(|thread| set_fifo_of(thread, priority));
     }
 
     /// Process id.

@@ -134,7 +134,7 @@ impl Supervisor<'_> {
         self.recording = recording.clone().map(OsString::from).map(listener("recorder"));
         self.bridge = bridge.clone().map(listener(BRIDGE));
         let deadline_ms = self.launch.scenario.controller.deadline().value();
-        enroll_listener(root.path(), std::process::id())?;
+        enroll_listener(root.prefix(), std::process::id())?;
         let deadline_ns = i64::from(deadline_ms) * 1_000_000;
         let log = DriveLog::listen(&self.group, &self.launch.scenario, deadline_ns);
         let log = log.map_err(Error::from).and_then(|log| {
@@ -170,7 +170,7 @@ impl Supervisor<'_> {
         if priority.is_some() {
             // Those of processes that are started later inherit it.
             let processes = self.roster.iter_mut().flat_map(Member::processes);
-            processes.for_each(|process| process.raise_follower(PRIORITY));
+            processes.for_each(|process| process.raise_followers(PRIORITY));
         }
         let ended = self.follow_run(&mut log, watch)?;
         drop(priority);

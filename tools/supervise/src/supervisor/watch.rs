@@ -8,7 +8,6 @@ use crate::member::Member;
 use crate::recording::Listener;
 use crate::succession::{self, Phase};
 use drive::log::DriveLog;
-use drive::report::read;
 use drive::{Ended, Exit, Moment};
 use messages::Service;
 use runtime::{FromService, Mode, ToService, monotonic_ns};
@@ -183,11 +182,11 @@ impl Supervisor<'_> {
                 let service = who.service;
                 if course.ended == Ended::Orderly && self.is_early(service, log, course, now_ns) {
                     let member = self.roster.of(service);
-                    member.leaves_early(read(*report));
+                    member.leaves_early(*report);
                     // Its end is an event.
                     member.order(&ToService::Abort);
                 } else {
-                    self.roster.of(service).report = Some(read(*report));
+                    self.roster.of(service).report = Some(*report);
                 }
             }
             Event::Message(_, FromService::Ended(step)) => {

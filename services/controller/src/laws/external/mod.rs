@@ -111,17 +111,17 @@ pub fn program(scenario: &Scenario) -> Result<Program, Problem> {
         None => ("controller.command".into(), controller.command.clone(), &controller.directory),
     };
     let directory = directory.clone().unwrap_or_default();
-    Program::of(&words, &directory).map_err(|error| refused(&path, &error))
+    Program::of(&words, &directory).map_err(|error| refused(&path, &words, error))
 }
 
-fn refused(path: &str, error: &ProgramError) -> Problem {
-    match error {
-        ProgramError::Empty => Problem::new(
+fn refused(path: &str, command: &[String], error: ProgramError) -> Problem {
+    match command.first().is_none_or(String::is_empty) {
+        true => Problem::new(
             path,
             "the law `external` has no program",
             format!("{path}, such as [\"python3\", \"law.py\"]"),
         ),
-        error => Problem::new(path, error.message(), error.expected()),
+        false => Problem::new(path, error.message, error.expected),
     }
 }
 
@@ -159,7 +159,7 @@ fn program_law(
 ) -> Result<Box<dyn Law>, Problem> {
     let settings: Settings = reader.table(TABLE.name)?;
     let directory = directory.unwrap_or_default();
-    let file = executable(&command, &directory).map_err(|error| refused(path, &error))?;
+    let file = executable(&command, &directory).map_err(|error| refused(path, &command, error))?;
     if fmi::is_unit(&command[0]) {
         fmi::check_law(&file, &command[1..]).map_err(|error| {
             Problem::new(path, format!("{}: {}", error.place, error.fault), error.expected)

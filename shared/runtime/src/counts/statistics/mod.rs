@@ -35,13 +35,11 @@ const fn bucket(duration_ns: u64) -> usize {
     ((shift as usize) << (DIGIT_BITS - 1)) + (duration_ns >> shift) as usize
 }
 
-/// Shortest duration of a bucket, ns.
 const fn shortest_ns(bucket: usize) -> u64 {
     let shift = (bucket >> (DIGIT_BITS - 1)).saturating_sub(1);
     ((bucket - (shift << (DIGIT_BITS - 1))) as u64) << shift
 }
 
-/// Longest duration of a bucket, ns.
 const fn longest_ns(bucket: usize) -> u64 {
     shortest_ns(bucket + 1) - 1
 }
