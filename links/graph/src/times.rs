@@ -4,7 +4,7 @@ use crate::plan::{Graph, MOST};
 use crate::trail::{self, PARTS};
 use runtime::chain::ChainTimes;
 use runtime::statistics::Latencies;
-use runtime::{Count, Group, RELEASE_JITTER, RuntimeError, ServiceCounts, SharedWords};
+use runtime::{Count, Figures, Group, RELEASE_JITTER, RuntimeError, SharedWords};
 use std::sync::atomic::{AtomicU32, Ordering};
 use supervise::MachineError;
 
@@ -50,13 +50,13 @@ impl Page {
 /// A named count of a topic, and of one of its readers.
 pub fn count(group: &Group, topic: &str, reader: &str, name: &str) -> Result<Count, RuntimeError> {
     let file = format!("topic.{}.{reader}", topic.replace('/', "."));
-    ServiceCounts::open(group, file)?.figures().count(name)
+    Figures::open(group, file)?.count(name)
 }
 
 /// Counts of a node over all its processes.
 pub struct NodeCounts {
     /// They show the turns of each process's loop.
-    pub own: ServiceCounts,
+    pub own: Figures,
     pub cycles: Count,
     /// Releases that were left out, because the node was busy or stopped.
     pub skipped: Count,
@@ -69,13 +69,12 @@ pub struct NodeCounts {
 impl NodeCounts {
     /// The counts of a node; `node` is its place.
     pub fn open(node: usize, group: &Group) -> Result<Self, RuntimeError> {
-        let own = ServiceCounts::open(group, format!("node{node}"))?;
-        let figures = own.figures();
+        let own = Figures::open(group, format!("node{node}"))?;
         Ok(Self {
-            cycles: figures.count("cycles")?,
-            skipped: figures.count("skipped")?,
-            jitter: figures.latencies(RELEASE_JITTER)?,
-            work: figures.latencies("work")?,
+            cycles: own.count("cycles")?,
+            skipped: own.count("skipped")?,
+            jitter: own.latencies(RELEASE_JITTER)?,
+            work: own.latencies("work")?,
             own,
         })
     }
@@ -94,12 +93,12 @@ pub struct Reactions {
 impl Reactions {
     pub fn open(graph: &Graph, chain: usize, group: &Group) -> Result<Self, RuntimeError> {
         let of = &graph.chains[chain];
-        let file = |name: usize| ServiceCounts::open(group, format!("chain{chain}.{name}"));
-        let late = file(0)?.figures().count("late")?;
+        let file = |name: usize| Figures::open(group, format!("chain{chain}.{name}"));
+        let late = file(0)?.count("late")?;
         let mut opened = 0;
         let mut open = |name: &str| {
             opened += 1;
-            file((opened - 1) / IN_FILE)?.figures().latencies(name)
+            file((opened - 1) / IN_FILE)?.latencies(name)
         };
         let blocks = (0..BLOCKS).map(|block| open(&format!("block {block}")));
         let blocks = blocks.collect::<Result<_, _>>()?;

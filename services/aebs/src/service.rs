@@ -12,7 +12,7 @@ use messages::{
 };
 use runtime::statistics::Latencies;
 use runtime::{
-    Count, Cycle, Group, Publisher, Release, Runtime, RuntimeError, ServiceCounts, Subscriber,
+    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber,
     monotonic_ns,
 };
 use scenario::Scenario;
@@ -54,8 +54,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
 /// Sum of the reports of all processes of a run's emergency brake, which left out `skipped` releases.
 #[must_use]
 pub fn last_known(group: &Group, scenario: &Scenario, skipped: u64) -> AebsReport {
-    let counts = ServiceCounts::of(group, Service::Aebs);
-    let figures = counts.figures();
+    let figures = Figures::of(group, Service::Aebs);
     let late = figures.count(LATE).map_or(0, |late| late.get());
     AebsReport {
         deadline_us: f64::from(scenario.aebs.deadline_ms.value()) * 1e3,

@@ -20,8 +20,7 @@ use messages::level::Level;
 use messages::{Command, Diagnostics, FIGURES, Header, PLAN_LEN, Service, ServiceState};
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{
-    Cycle, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, ServiceCounts,
-    monotonic_ns,
+    Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, monotonic_ns,
 };
 use scenario::{Scenario, controller};
 use std::time::Duration;
@@ -87,8 +86,7 @@ fn run_built(
 /// Time inside the law over all processes of a run's controller; none if that was not kept.
 #[must_use]
 pub fn last_law_times(group: &Group) -> Option<Percentiles> {
-    let counts = ServiceCounts::of(group, Service::Controller);
-    let figures = counts.figures();
+    let figures = Figures::of(group, Service::Controller);
     figures.latencies(LAW).ok()?.percentiles_us()
 }
 

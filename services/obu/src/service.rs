@@ -11,8 +11,8 @@ use messages::{
 };
 use runtime::statistics::Latencies;
 use runtime::{
-    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, ServiceCounts,
-    Subscriber, Timetable, monotonic_ns,
+    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber, Timetable,
+    monotonic_ns,
 };
 use scenario::Scenario;
 use scenario::radio::SignedFrames;
@@ -104,8 +104,7 @@ impl Counts {
 
 /// Report of a unit whose processes have ended, from the counts that they kept; `None` without them.
 pub fn last_known(group: &Group) -> Option<ObuReport> {
-    let counts = ServiceCounts::of(group, Service::Obu);
-    let figures = counts.figures();
+    let figures = &Figures::of(group, Service::Obu);
     let verdicts = Verdicts::open(figures).ok()?;
     Some(Counts::open(figures).ok()?.report(&verdicts))
 }

@@ -42,7 +42,6 @@ mod survival;
 mod transport;
 mod words;
 
-pub use counts::ServiceCounts;
 pub use counts::account::LastAccount;
 pub use counts::figures::{Count, Figures, Progress, RELEASE_JITTER};
 pub use counts::statistics;

@@ -3,7 +3,7 @@
 
 use messages::level::LevelLog;
 use messages::{Origin, Service};
-use runtime::{Checkpoint, Group, Runtime, RuntimeError, ServiceCounts};
+use runtime::{Checkpoint, Figures, Group, Runtime, RuntimeError};
 use serde::{Deserialize, Serialize};
 
 use super::Plant;
@@ -37,9 +37,9 @@ pub(super) struct Snapshot<R = Referee, L = LevelLog> {
 /// with it.
 pub fn last_known(group: &Group) -> Option<PlantReport> {
     let kept: Snapshot = Checkpoint::last(group, Service::Plant)?;
-    let counts = ServiceCounts::of(group, Service::Plant);
+    let counts = Figures::of(group, Service::Plant);
     let times = || -> Result<PlantReport, RuntimeError> {
-        let figures = counts.figures();
+        let figures = &counts;
         // Late chains were counted.
         let chains = |path| Chains::open(i64::MAX, path, figures);
         let brake = chains(BRAKE_PATH)?;

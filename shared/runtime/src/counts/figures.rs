@@ -10,9 +10,10 @@
 #![allow(unsafe_code, reason = "a struct of atomic numbers in shared memory")]
 
 use super::statistics::{Buckets, Latencies};
-use super::{PROCESSES, SLOTS, State};
-use crate::RuntimeError;
-use crate::words::{Atomics, Shared};
+use super::{PROCESSES, SLOTS, State, path};
+use crate::words::{Atomics, Shared, open_existing_own, open_own};
+use crate::{Group, RuntimeError};
+use std::fmt::Display;
 use std::fs::File;
 use std::io;
 use std::mem::offset_of;
@@ -39,41 +40,72 @@ pub(super) struct Names {
 unsafe impl Atomics for Names {}
 
 /// The counts and histograms of a service: in realtime those of all its processes, else this process's own.
+///
+/// Another process reads them with the same type. The service's processes may all be gone.
 #[derive(Debug, Default)]
-pub struct Figures(Option<Kept>);
+pub struct Figures {
+    kept: Option<Kept>,
+    /// Process whose cycles it shows.
+    shown: Option<u32>,
+}
 
 impl Figures {
-    pub(super) fn of(file: File) -> io::Result<Self> {
+    /// Those of a process of `service`, or of anything else that counts under that name in the run. It makes the file if
+    /// there is none.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if shared memory has no room for it.
+    pub fn open(group: &Group, service: impl Display) -> Result<Self, RuntimeError> {
+        let path = path(&group.prefix, service);
+        let figures = open_own(&path).and_then(Self::in_file);
+        figures.map_err(RuntimeError::setup(path.display().to_string()))
+    }
+
+    /// Those of `service` in the run of `group`, as another process reads them. They are empty if the service made no
+    /// file.
+    pub fn of(group: &Group, service: impl Display) -> Self {
+        let file = open_existing_own(&path(&group.prefix, service));
+        file.and_then(Self::in_file).unwrap_or_default()
+    }
+
+    fn in_file(file: File) -> io::Result<Self> {
         let names = Arc::new(Shared::of(&file, offset_of!(State, names))?);
-        Ok(Self(Some(Kept { file, names, records: Arc::new(AtomicBool::new(true)) })))
+        let kept = Some(Kept { file, names, records: Arc::new(AtomicBool::new(true)) });
+        Ok(Self { kept, shown: None })
     }
 
     /// Sets whether this process records: a standby does not.
     pub(crate) fn set_recording(&self, records: bool) {
-        if let Some(kept) = &self.0 {
+        if let Some(kept) = &self.kept {
             kept.records.store(records, Ordering::Relaxed);
         }
     }
 
-    /// Shows that process `incarnation` has done `cycles`.
-    pub(super) fn show(&self, incarnation: u32, cycles: u64) {
-        if let Some(kept) = &self.0 {
+    /// Shows others from now on that this is process `incarnation`, and its cycles.
+    pub fn begin(&mut self, incarnation: u32) {
+        self.shown = Some(incarnation);
+        self.show_progress(0);
+    }
+
+    /// Shows others that this process, which has begun, has done `cycles`.
+    pub fn show_progress(&self, cycles: u64) {
+        if let (Some(kept), Some(incarnation)) = (&self.kept, self.shown) {
             let place = incarnation as usize % PROCESSES;
             kept.names.cycles[place].store(cycles, Ordering::Relaxed);
             kept.names.processes[place].store(u64::from(incarnation) + 1, Ordering::Release);
         }
     }
 
-    /// The progress that process `incarnation` shows.
-    pub(super) fn progress(&self, incarnation: u32) -> Option<Progress> {
-        let names = Arc::clone(&self.0.as_ref()?.names);
+    /// The progress of process `incarnation`; `None` if it shows no cycles.
+    pub fn progress(&self, incarnation: u32) -> Option<Progress> {
+        let names = Arc::clone(&self.kept.as_ref()?.names);
         let place = incarnation as usize % PROCESSES;
         let shown = names.processes[place].load(Ordering::Acquire);
         (shown == u64::from(incarnation) + 1).then_some(Progress { names, place })
     }
 
     pub fn count(&self, name: &str) -> Result<Count, RuntimeError> {
-        let Some(kept) = &self.0 else { return Ok(Count::default()) };
+        let Some(kept) = &self.kept else { return Ok(Count::default()) };
         let slot = slot(&kept.names.counts, name).map_err(RuntimeError::setup(name.to_owned()))?;
         let (names, records) = (Arc::clone(&kept.names), Arc::clone(&kept.records));
         Ok(Count(Place::Kept { names, slot, records }))
@@ -81,7 +113,7 @@ impl Figures {
 
     /// The histogram of this name.
     pub fn latencies(&self, name: &str) -> Result<Latencies, RuntimeError> {
-        let Some(kept) = &self.0 else { return Ok(Latencies::with_room()) };
+        let Some(kept) = &self.kept else { return Ok(Latencies::with_room()) };
         let buckets = slot(&kept.names.histograms, name).and_then(|slot| {
             let place = offset_of!(State, histograms) + slot * size_of::<Buckets>();
             Shared::of(&kept.file, place)
@@ -164,18 +196,17 @@ impl Count {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::counts::ServiceCounts;
     use crate::counts::tests::Run;
     use messages::Service;
 
-    fn open(run: &Run) -> ServiceCounts {
-        ServiceCounts::open(&run.0, Service::Plant).expect("shared memory")
+    fn open(run: &Run) -> Figures {
+        Figures::open(&run.0, Service::Plant).expect("shared memory")
     }
 
     fn last(run: &Run, name: &str) -> (Latencies, u64) {
-        let last = ServiceCounts::of(&run.0, Service::Plant);
-        let count = last.figures().count(name).expect("room").get();
-        (last.figures().latencies(name).expect("room"), count)
+        let last = Figures::of(&run.0, Service::Plant);
+        let count = last.count(name).expect("room").get();
+        (last.latencies(name).expect("room"), count)
     }
 
     #[test]
@@ -184,7 +215,7 @@ mod tests {
         let mut alone = Latencies::default();
         for process in 0..3_i64 {
             let counts = open(&run);
-            let kept = counts.figures();
+            let kept = &counts;
             // Each opens its histograms in an order of its own.
             let names = if process == 1 { ["law", "jitter"] } else { ["jitter", "law"] };
             let mut opened = names.map(|name| kept.latencies(name).expect("room"));
@@ -206,10 +237,9 @@ mod tests {
     fn a_standby_records_nothing_before_it_takes_over() {
         let run = Run::new("standby");
         let (active, standby) = (open(&run), open(&run));
-        let (active, standby) = (active.figures(), standby.figures());
         standby.set_recording(false);
         let figures = |kept: &Figures| (kept.latencies("law").expect("room"), kept.count("late"));
-        let ((mut law, late), (mut silent, silent_late)) = (figures(active), figures(standby));
+        let ((mut law, late), (mut silent, silent_late)) = (figures(&active), figures(&standby));
         let (mut late, mut silent_late) = (late.expect("room"), silent_late.expect("room"));
         law.record_ns(1_000);
         late.add(1);
@@ -240,7 +270,7 @@ mod tests {
         assert!(reader.progress(3).is_none(), "another process has its place");
         assert_eq!(reader.progress(39).map(|progress| progress.cycles()), Some(9));
         assert_eq!(reader.progress(38).map(|progress| progress.cycles()), Some(9));
-        assert!(ServiceCounts::of(&run.0, Service::Controller).progress(0).is_none());
+        assert!(Figures::of(&run.0, Service::Controller).progress(0).is_none());
     }
 
     #[test]
@@ -248,7 +278,7 @@ mod tests {
         assert_eq!(last(&Run::new("none"), "law"), (Latencies::default(), 0));
         let run = Run::new("full");
         let counts = open(&run);
-        let kept = counts.figures();
+        let kept = &counts;
         for name in 0..SLOTS {
             kept.count(&name.to_string()).expect("room");
         }

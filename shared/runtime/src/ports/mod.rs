@@ -38,8 +38,6 @@ pub(crate) type Counted = (Topic, Rc<RefCell<Tally>>);
 pub(crate) struct Tally {
     pub(crate) messages: u64,
     pub(crate) lost: u64,
-    /// Bytes that were copied to take the messages.
-    pub(crate) copied_bytes: u64,
     pub(crate) e2e: Outcomes,
     /// Digest of the sent messages, if it is asked for.
     digest: Option<Box<Xxh3Default>>,

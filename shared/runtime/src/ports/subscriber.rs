@@ -8,7 +8,7 @@ use crate::report::ReceivedTopic;
 use crate::transport::waking::Waiter;
 use crate::transport::{Held, Receiver};
 use crate::{RuntimeError, TransportError};
-use messages::{Message, Origin};
+use messages::{Message, Origin, SMALL_BYTES};
 use std::cell::RefCell;
 use std::mem::swap;
 use std::rc::Rc;
@@ -65,7 +65,10 @@ impl<T: Message> Subscriber<T> {
 
     /// Bytes that were copied so far to take samples.
     pub fn copied_bytes(&self) -> u64 {
-        self.tally.borrow().copied_bytes
+        if size_of::<T>() > SMALL_BYTES {
+            return 0;
+        }
+        self.tally.borrow().messages * size_of::<T>() as u64
     }
 
     /// Stamps of the newest sample as its sender made them, for the header of what is computed from it.

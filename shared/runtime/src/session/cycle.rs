@@ -96,7 +96,7 @@ impl Runtime {
         }
         let counted = self.survival.counted(cycles, self.skipped());
         let speaks = !self.is_standby();
-        self.survival.counts.show_progress(cycles);
+        self.survival.figures.show_progress(cycles);
         if let Some(account) = self.survival.account.as_mut().filter(|_| speaks) {
             let ports = (&*self.ports.sent, &*self.ports.received);
             account.write(counted, ports, &self.injection.faults)?;

@@ -7,7 +7,6 @@ mod start;
 
 pub use cycle::{Cycle, count_allocations_by};
 
-use crate::counts::ServiceCounts;
 use crate::counts::figures::{Figures, RELEASE_JITTER};
 use crate::faults::Faults;
 use crate::life::link::Link;
@@ -80,12 +79,12 @@ impl Runtime {
         let schedule = Schedule::read(&group.root, service)?;
         wait(&link)?;
         let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);
-        let counts = match group.mode {
-            Mode::Realtime => ServiceCounts::open(&group, service)?,
-            Mode::Lockstep => ServiceCounts::default(),
+        let figures = match group.mode {
+            Mode::Realtime => Figures::open(&group, service)?,
+            Mode::Lockstep => Figures::default(),
         };
-        let jitter = counts.figures().latencies(RELEASE_JITTER)?;
-        let survival = Survival::new(counts, transport.peers().cloned(), service, incarnation);
+        let jitter = figures.latencies(RELEASE_JITTER)?;
+        let survival = Survival::new(figures, transport.peers().cloned(), service, incarnation);
         let ports = Ports::new(transport);
         let mut this = Self::of(service, incarnation, group, scenario, ports, survival, link);
         this.cycles.schedule = schedule;
@@ -101,7 +100,7 @@ impl Runtime {
         seat: Seat,
         link: Link,
     ) -> Self {
-        let survival = Survival::new(ServiceCounts::default(), None, service, 0);
+        let survival = Survival::new(Figures::default(), None, service, 0);
         let ports = Ports::new(Transport::Memory(seat));
         Self::of(service, 0, group, scenario, ports, survival, link)
     }
@@ -151,7 +150,7 @@ impl Runtime {
 
     /// Counts and histograms that go on over all processes of this service. A standby records nothing.
     pub fn figures(&self) -> &Figures {
-        self.survival.counts.figures()
+        &self.survival.figures
     }
 
     /// Goes on with the step after `step`, whatever time it is.

@@ -35,7 +35,7 @@ impl Runtime {
             self.life.link.raise_thread();
         }
         if let (Some(peers), Mode::Realtime) = (self.ports.transport.peers(), mode) {
-            self.survival.counts.begin(self.incarnation);
+            self.survival.figures.begin(self.incarnation);
             let account = OwnAccount::begin(&self.group, self.service, self.incarnation)?;
             self.survival.account = Some(account);
             if self.group.standby.contains(&self.service) {

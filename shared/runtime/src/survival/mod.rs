@@ -12,8 +12,8 @@ pub mod end_word;
 pub mod fence;
 pub mod standby;
 
-use crate::counts::ServiceCounts;
 use crate::counts::account::OwnAccount;
+use crate::counts::figures::Figures;
 use fence::{Gate, Peers};
 use messages::Service;
 use standby::Standby;
@@ -22,7 +22,7 @@ use std::rc::Rc;
 /// Parts by which a service survives the end of a process.
 #[derive(Debug)]
 pub(crate) struct Survival {
-    pub(crate) counts: ServiceCounts,
+    pub(crate) figures: Figures,
     /// What this process counted, for the launcher.
     pub(crate) account: Option<OwnAccount>,
     pub(crate) gate: Rc<Gate>,
@@ -32,28 +32,28 @@ pub(crate) struct Survival {
 }
 
 impl Survival {
-    /// The survival of process `incarnation` of `service`, which counts in `counts`.
+    /// The survival of process `incarnation` of `service`, which counts in `figures`.
     pub(crate) fn new(
-        counts: ServiceCounts,
+        figures: Figures,
         peers: Option<Peers>,
         service: Service,
         incarnation: u32,
     ) -> Self {
         let gate = Rc::new(Gate::of(peers, service, incarnation));
-        Self { counts, account: None, gate, standby: None, silent: (0, 0) }
+        Self { figures, account: None, gate, standby: None, silent: (0, 0) }
     }
 
     /// Makes this process silent: it sends and records nothing.
     pub(crate) fn be_silent(&self) {
         self.gate.set_standby(true);
-        self.counts.figures().set_recording(false);
+        self.figures.set_recording(false);
     }
 
     /// Ends the time as a standby, in which `cycles` were run and `skipped` releases left out.
     pub(crate) fn become_active(&mut self, cycles: u64, skipped: u64) {
         self.standby = None;
         self.silent = (cycles, skipped);
-        self.counts.figures().set_recording(true);
+        self.figures.set_recording(true);
     }
 
     /// The cycles and skipped releases of the active process, without those of the standby.

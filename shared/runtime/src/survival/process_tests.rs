@@ -2,7 +2,7 @@
 
 use super::fence::tests::Run;
 use super::standby::{ActiveProcess, Cause, OrderSlot, Standby};
-use crate::counts::ServiceCounts;
+use crate::counts::figures::Figures;
 use crate::machine::scheduling::Granted;
 use crate::words::RunWords;
 use messages::{Service, Topic};
@@ -129,7 +129,7 @@ fn an_order_of_the_launcher_is_one_too_and_wakes_the_loop() {
 #[test]
 fn a_process_that_lives_and_does_nothing_is_silent() {
     let run = Run::new("silent", &[SERVICE]);
-    let mut counts = ServiceCounts::open(&run.0, SERVICE).expect("shared memory");
+    let mut counts = Figures::open(&run.0, SERVICE).expect("shared memory");
     counts.begin(0);
     let active = process();
     let pid = active.id().cast_signed();

@@ -8,8 +8,7 @@
 //!
 //! The end of the active process is known by [`end_word`], or by its pidfd.
 
-use crate::counts::ServiceCounts;
-use crate::counts::figures::Progress;
+use crate::counts::figures::{Figures, Progress};
 use crate::machine::scheduling::{Granted, Request, above, set_below_services, set_fifo_of};
 use crate::survival::end_word;
 use crate::survival::fence;
@@ -184,7 +183,7 @@ impl Standby {
         let timeout_ns = scenario.supervision.standby_timeout_ms.nanoseconds();
         let timeout_ns = i64::try_from(timeout_ns).unwrap_or(i64::MAX);
         let period_ns = group.timetable.period_ns(service);
-        let progress = ServiceCounts::of(group, service).progress(active.incarnation);
+        let progress = Figures::of(group, service).progress(active.incarnation);
         Ok(Self { order, progress, watch: CycleWatch::new(monotonic_ns(), period_ns, timeout_ns) })
     }
 

@@ -120,14 +120,12 @@ impl<T: Message> Held<T> {
         self.copy.as_deref_mut()
     }
 
-    /// Keeps what arrived through shared memory; returns the bytes that were copied for it.
-    pub(super) fn take_sample(&mut self, sample: ReceivedSample) -> usize {
-        if Self::IS_COPIED {
-            self.copy(from_bytes(bytes_in(sample.payload())));
-            return size_of::<T>();
+    /// Keeps what arrived through shared memory.
+    pub(super) fn take_sample(&mut self, sample: ReceivedSample) {
+        match Self::IS_COPIED {
+            true => self.copy(from_bytes(bytes_in(sample.payload()))),
+            false => self.state = State::Sample(sample),
         }
-        self.state = State::Sample(sample);
-        0
     }
 
     /// Keeps what arrived in the memory of the process.

@@ -201,8 +201,6 @@ pub(crate) struct Arrival {
     pub(crate) pid: Option<u32>,
     /// Messages since the last look, of which this is the newest.
     pub(crate) messages: u64,
-    /// Bytes that were copied to take it.
-    pub(crate) copied_bytes: usize,
 }
 
 impl Receiver {
@@ -236,12 +234,13 @@ impl Receiver {
                 let sample = port.receive().map_err(TransportError::iceoryx2)?;
                 Ok(sample.map(|sample| {
                     let pid = Some(pid_of(sample.origin().value()));
-                    Arrival { pid, messages: 1, copied_bytes: held.take_sample(sample) }
+                    held.take_sample(sample);
+                    Arrival { pid, messages: 1 }
                 }))
             }
             Self::Memory(port) => Ok(port.receive().map(|(words, messages)| {
                 held.take_shared(words);
-                Arrival { pid: None, messages, copied_bytes: 0 }
+                Arrival { pid: None, messages }
             })),
         }
     }

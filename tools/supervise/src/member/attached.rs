@@ -3,7 +3,7 @@
 use crate::member::silence::{Meaning, Share, Silence};
 use crate::start::processes::Process;
 use drive::{Exit, StandbyCost};
-use runtime::{Group, Progress, ServiceCounts};
+use runtime::{Figures, Group, Progress};
 use std::time::Duration;
 
 /// A process and what is known of it.
@@ -55,7 +55,7 @@ impl Attached {
     pub fn stand_by(&mut self, group: &Group, service: messages::Service, now_ns: i64) {
         self.begin(now_ns);
         // Without its page it looks hung, and is replaced.
-        self.progress = ServiceCounts::of(group, service).progress(self.incarnation);
+        self.progress = Figures::of(group, service).progress(self.incarnation);
         self.stands_by_since = Used::of(self.process.pid()).map(|used| (used, now_ns));
     }
 
@@ -102,7 +102,7 @@ impl Attached {
         }
     }
 
-    /// ServiceCounts the time without a sign of life from `now_ns` on.
+    /// Counts the time without a sign of life from `now_ns` on.
     pub fn reset_silence(&mut self, now_ns: i64) {
         self.silence.reset(now_ns);
     }

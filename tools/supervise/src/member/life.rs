@@ -1,7 +1,7 @@
 //! A service's whole life: what all its processes counted, as one report.
 //!
 //! A process that dies leaves its account in shared memory ([`LastAccount`]). Its histograms go on over all
-//! processes of a service ([`ServiceCounts::figures`]). The launcher has received its messages on the topics.
+//! processes of a service ([`Figures`]). The launcher has received its messages on the topics.
 
 use controller::laws;
 use drive::log::{CycleHistory, DriveLog};
@@ -11,7 +11,7 @@ use drive::report::{
 use messages::Service;
 use runtime::scheduling::Granted;
 use runtime::statistics::Percentiles;
-use runtime::{Group, LastAccount, RELEASE_JITTER, ServiceCounts};
+use runtime::{Figures, Group, LastAccount, RELEASE_JITTER};
 use scenario::Scenario;
 use std::collections::BTreeMap;
 
@@ -70,7 +70,7 @@ pub fn whole(reports: Vec<ServiceReport>) -> Option<ServiceReport> {
 
 /// Lateness of the releases over all processes of `service`; none if they kept none.
 pub fn release_jitter_us(group: &Group, service: Service) -> Option<Percentiles> {
-    ServiceCounts::of(group, service).figures().latencies(RELEASE_JITTER).ok()?.percentiles_us()
+    Figures::of(group, service).latencies(RELEASE_JITTER).ok()?.percentiles_us()
 }
 
 /// Work of all the controller's processes, as the launcher received it on `control/diagnostics` and
