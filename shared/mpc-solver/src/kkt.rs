@@ -105,32 +105,12 @@ impl Residuals {
 ///
 /// # Panics
 /// If a slice is shorter than the problem's horizon requires.
+#[multiversion(targets("x86_64+avx2"))]
 pub fn residuals(
     problem: &Problem,
     inputs: &[f64],
     states: &[[f64; 3]],
     multipliers: &Multipliers,
-) -> Residuals {
-    residuals_of(problem, inputs, states, multipliers, false)
-}
-
-/// [`residuals`] of a point whose method has found that all rows hold without multipliers.
-pub(crate) fn residuals_without_rows(
-    problem: &Problem,
-    inputs: &[f64],
-    states: &[[f64; 3]],
-    multipliers: &Multipliers,
-) -> Residuals {
-    residuals_of(problem, inputs, states, multipliers, true)
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn residuals_of(
-    problem: &Problem,
-    inputs: &[f64],
-    states: &[[f64; 3]],
-    multipliers: &Multipliers,
-    rows_hold: bool,
 ) -> Residuals {
     let n = problem.horizon;
     let scale = dual_scale(problem, multipliers);
@@ -143,9 +123,9 @@ fn residuals_of(
         }
     };
     // Rows behind the last one with a multiplier do not act on the costate.
-    let mut rows = multipliers.rows[..if rows_hold { 0 } else { problem.rows.len() }].iter();
+    let mut rows = multipliers.rows[..problem.rows.len()].iter();
     let forced = rows.rposition(|mus| has_any(&mus[..=n])).map_or(0, |last| last + 1);
-    if forced > 0 || !rows_hold && !all_hold(problem, states) {
+    if forced > 0 || !all_hold(problem, states) {
         for (j, row) in problem.rows.iter().enumerate() {
             for k in row.from..=row.to {
                 let (h, mu) = (problem.limits[j][k], multipliers.rows[j][k]);

@@ -41,7 +41,7 @@ struct Block {
 
 /// Which pairs a bound has, with their constants.
 #[derive(Clone, Copy, Debug, Default)]
-struct Kind {
+struct Form {
     /// `(λ, κ)`.
     penalty: Option<(f64, f64)>,
     /// `w`.
@@ -52,7 +52,7 @@ struct Kind {
 /// All blocks of a bound.
 #[derive(Clone, Debug)]
 pub(super) struct Bound {
-    kind: Kind,
+    form: Form,
     /// First stage, and one past the last.
     from: usize,
     end: usize,
@@ -72,7 +72,7 @@ pub(super) struct StartPairs {
 impl Bound {
     pub(super) fn new(max_horizon: usize) -> Self {
         let blocks = vec![Block::default(); max_horizon / WIDTH + 1];
-        Self { kind: Kind::default(), from: 0, end: 0, first_block: 0, end_block: 0, blocks }
+        Self { form: Form::default(), from: 0, end: 0, first_block: 0, end_block: 0, blocks }
     }
 
     /// Starts with the slacks that the states leave.
@@ -84,7 +84,7 @@ impl Bound {
         start: StartPairs,
     ) {
         let penalty = (row.softness != Softness::Hard).then(|| row.softness.penalty());
-        self.clear(row.from, row.from.max(row.to + 1), Kind { penalty, ..Kind::default() }, start);
+        self.clear(row.from, row.from.max(row.to + 1), Form { penalty, ..Form::default() }, start);
         for k in self.from..self.end {
             if limits[k] < NO_LIMIT {
                 let room = limits[k] - dot(&row.gradient, &states[k]);
@@ -104,8 +104,8 @@ impl Bound {
     ) {
         let penalty = (light.softness != Softness::Hard).then(|| (light.softness.penalty().0, 0.0));
         let is_capped = light.threshold < f64::INFINITY;
-        let kind = Kind { penalty, hyperbola: Some(light.weight), is_capped };
-        self.clear(1, problem.light_len + 1, kind, start);
+        let form = Form { penalty, hyperbola: Some(light.weight), is_capped };
+        self.clear(1, problem.light_len + 1, form, start);
         for (k, stage) in (1..).zip(problem.light_stages()) {
             let d = dot(&stage.gradient, &states[k]) + stage.offset;
             let p = (0.5 * d).max(2.0 * start.slack).min(0.5 * light.threshold);
@@ -119,8 +119,8 @@ impl Bound {
     }
 
     /// Fills the blocks of these stages with pairs that do not move.
-    fn clear(&mut self, from: usize, end: usize, kind: Kind, start: StartPairs) {
-        (self.from, self.end, self.kind) = (from, end, kind);
+    fn clear(&mut self, from: usize, end: usize, form: Form, start: StartPairs) {
+        (self.from, self.end, self.form) = (from, end, form);
         (self.first_block, self.end_block) =
             if from == end { (0, 0) } else { (from / WIDTH, end.div_ceil(WIDTH)) };
         let pairs = Pairs::new(ONE, Lanes::all(start.mu));
@@ -149,7 +149,7 @@ impl Bound {
         block.p.0[lane] = p;
         let s = (room - p).max(slack);
         let mut multiplier = (mu / s).max(steep);
-        if let Some((penalty, curvature)) = self.kind.penalty {
+        if let Some((penalty, curvature)) = self.form.penalty {
             multiplier = multiplier.min(0.5 * penalty);
             let sigma = (p + s - room).max(slack);
             block.violation.set(lane, sigma, penalty + curvature * sigma - multiplier);
@@ -159,7 +159,7 @@ impl Bound {
 
     /// Returns the number of pairs.
     pub(super) fn pairs(&self) -> usize {
-        let Kind { penalty, is_capped, .. } = self.kind;
+        let Form { penalty, is_capped, .. } = self.form;
         let families = 1 + usize::from(penalty.is_some()) + usize::from(is_capped);
         families * WIDTH * (self.end_block - self.first_block)
     }
@@ -172,17 +172,17 @@ impl Bound {
     /// Models the pairs of a block for the predictor; returns the sum of the products.
     #[inline(always)]
     pub(super) fn linearize(&mut self, j: usize, x: &[Lanes; 3], model: &mut BlockModel) -> Lanes {
-        let kind = self.kind;
+        let form = self.form;
         let Some(block) = self.block(j) else { return Lanes::default() };
         let mut gap = block.below.invert();
         let Pairs { slack: s, multiplier: m, per_multiplier, .. } = block.below;
         // First s + (residual of the slack).
         let mut offset = block.limit - product(&block.gradient, x);
         let mut compliance = s * per_multiplier + Lanes::all(PROXIMAL);
-        if let Some(weight) = kind.hyperbola {
+        if let Some(weight) = form.hyperbola {
             let (p, per_p) = (block.p, ONE / block.p);
             let mut stiffness = Lanes::all(2.0) * m * per_p;
-            if kind.is_capped {
+            if form.is_capped {
                 gap = gap + block.capped.invert();
                 let Pairs { multiplier: beta, per_slack, .. } = block.capped;
                 stiffness = stiffness + beta * (Lanes::all(2.0) * per_p + per_slack);
@@ -193,7 +193,7 @@ impl Bound {
             // With t = 0 the new β does not depend on its old value.
             offset = offset - p - (Lanes::all(weight) * (per_p * per_p) - m) * soft;
         }
-        if let Some((weight, curvature)) = kind.penalty {
+        if let Some((weight, curvature)) = form.penalty {
             gap = gap + block.violation.invert();
             let Pairs { slack: sigma, multiplier: nu, .. } = block.violation;
             let stiffness = Lanes::all(curvature) * sigma;
@@ -215,21 +215,21 @@ impl Bound {
     /// Applies the predictor's changes of a block's states.
     #[inline(always)]
     pub(super) fn predict(&mut self, j: usize, dx: &[Lanes; 3], prediction: &mut Prediction) {
-        let kind = self.kind;
+        let form = self.form;
         let Some(block) = self.block(j) else { return };
         let on = block.is_in_force;
         let dm = block.curvature * (product(&block.gradient, dx) - block.offset);
         let Block { below, violation, capped, per_p, .. } = block;
         below.predict(on * (-(dm * below.per_multiplier) - ONE), prediction);
-        if let Some(weight) = kind.hyperbola {
+        if let Some(weight) = form.hyperbola {
             let pull = Lanes::all(weight) * (*per_p * *per_p) - below.multiplier - dm;
             let dp = on * (pull * block.compliance);
             prediction.limit = (-(dp * *per_p)).greater(prediction.limit);
-            if kind.is_capped {
+            if form.is_capped {
                 capped.predict(-(dp * capped.per_slack), prediction);
             }
         }
-        if kind.penalty.is_some() {
+        if form.penalty.is_some() {
             violation.predict(on * ((dm - block.price) * block.per_stiffness), prediction);
         }
     }
@@ -237,16 +237,16 @@ impl Bound {
     /// Sets the corrector's targets of a block, and adds their term to the gradient.
     #[inline(always)]
     pub(super) fn set_targets(&mut self, j: usize, targets: Targets, added: &mut [Lanes; 3]) {
-        let kind = self.kind;
+        let form = self.form;
         let Some(block) = self.block(j) else { return };
         let Block { below, violation, capped, .. } = block;
         below.set_targets(targets);
         let mut moved = below.target * below.per_multiplier;
-        if kind.is_capped {
+        if form.is_capped {
             capped.set_targets(targets);
             moved = moved - capped.target * capped.per_slack * block.compliance;
         }
-        if kind.penalty.is_some() {
+        if form.penalty.is_some() {
             violation.set_targets(targets);
             moved = moved - violation.target * block.per_stiffness;
         }
@@ -257,26 +257,26 @@ impl Bound {
     /// Applies the step's changes of a block's states.
     #[inline(always)]
     pub(super) fn correct(&mut self, j: usize, dx: &[Lanes; 3], limit: &mut Lanes) {
-        let kind = self.kind;
+        let form = self.form;
         let Some(block) = self.block(j) else { return };
         let on = block.is_in_force;
         let dm = block.curvature * (product(&block.gradient, dx) - block.offset) + block.slope;
         let Block { below, violation, capped, per_p, .. } = block;
         let r = (below.target * below.per_slack - dm) * below.per_multiplier - ONE;
         below.correct(on * r, limit);
-        if let Some(weight) = kind.hyperbola {
+        if let Some(weight) = form.hyperbola {
             let mut pull = Lanes::all(weight) * (*per_p * *per_p) - below.multiplier - dm;
-            if kind.is_capped {
+            if form.is_capped {
                 pull = pull - capped.target * capped.per_slack;
             }
             let dp = on * (pull * block.compliance);
-            if kind.is_capped {
+            if form.is_capped {
                 capped.correct(-(dp * capped.per_slack), limit);
             }
             *limit = (-(dp * *per_p)).greater(*limit);
             block.dp = dp;
         }
-        if kind.penalty.is_some() {
+        if form.penalty.is_some() {
             let pull = violation.target * violation.per_slack - block.price + dm;
             violation.correct(on * (pull * block.per_stiffness), limit);
         }
@@ -285,13 +285,13 @@ impl Bound {
     /// Advances a block by the step.
     #[inline(always)]
     pub(super) fn advance(&mut self, j: usize, length: f64) {
-        let kind = self.kind;
+        let form = self.form;
         let Some(block) = self.block(j) else { return };
         block.below.advance(length);
-        if kind.penalty.is_some() {
+        if form.penalty.is_some() {
             block.violation.advance(length);
         }
-        if kind.is_capped {
+        if form.is_capped {
             block.capped.advance(length);
         }
         block.p = block.p + Lanes::all(length) * block.dp;
@@ -300,7 +300,7 @@ impl Bound {
     /// Writes the parts of the curve that the stages approach; `curve` is that of a stage.
     pub(super) fn suggest(&self, curve: impl Fn(usize) -> Curve, tangents: &mut [Tangent]) {
         tangents.fill(Tangent::default());
-        let Kind { penalty, hyperbola, is_capped } = self.kind;
+        let Form { penalty, hyperbola, is_capped } = self.form;
         for k in self.from..self.end {
             let (j, lane) = place(k);
             let (Block { below, violation, capped, p, .. }, curve) = (&self.blocks[j], curve(k));

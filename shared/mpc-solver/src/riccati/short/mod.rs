@@ -90,12 +90,6 @@ impl Short {
         }
     }
 
-    /// Returns whether any row is a member.
-    pub(super) fn holds_rows(&self) -> bool {
-        let inputs = self.condensed.inputs;
-        self.members[..self.program.len].iter().any(|member| member.left >= inputs)
-    }
-
     /// Returns whether the method can solve a problem.
     pub(super) fn serves(problem: &Problem) -> bool {
         problem.horizon <= MAX_SHORT && problem.light_len == 0 && problem.terminal == Terminal::Cost
