@@ -334,8 +334,6 @@ impl<'a> Launcher<'a> {
                     let pid = member.process(active).map_or(0, |process| process.attendant.pid());
                     (incarnation, Some(ActiveProcess { incarnation: active, pid }))
                 }
-                // The standby sees the end itself.
-                Step::OrderTakeOver(_) => continue,
                 Step::Replaced { old: gone, .. } | Step::Kill(gone) => {
                     member.process(gone).into_iter().for_each(|process| process.attendant.kill());
                     continue;

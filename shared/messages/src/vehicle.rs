@@ -90,18 +90,6 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// An ego there, so fast, that meets nothing.
-    pub fn free(position_m: f64, speed_mps: f64) -> Self {
-        Self {
-            position_m,
-            speed_mps,
-            acceleration_mps2: 0.0,
-            time_to_collision_s: f64::INFINITY,
-            red_line_m: f64::INFINITY,
-            cut_in: false,
-        }
-    }
-
     /// The phase by the ground truth.
     pub fn of(truth: &EgoTruth) -> Self {
         let red = truth.signal_state == crate::PhaseState::StopAndRemain.to_wire();

@@ -65,9 +65,6 @@ fn a_drive_has_the_values_of_the_truth_and_the_line_of_a_red_signal_alone() {
         let red_line_m = if is_red { 5.0 } else { f64::INFINITY };
         assert_eq!(Drive::of(&truth), Drive { red_line_m, cut_in: false, ..red }, "{state:?}");
     }
-    let free = Drive::free(7.0, 8.0);
-    assert_eq!((free.position_m, free.speed_mps, free.acceleration_mps2), (7.0, 8.0, 0.0));
-    assert!(free.time_to_collision_s.is_infinite() && free.red_line_m.is_infinite());
 }
 
 /// Lengths that a list of `capacity` elements has for counts at the boundaries.

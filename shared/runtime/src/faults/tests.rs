@@ -14,6 +14,18 @@ fn faults(text: &str) -> Rc<Faults> {
     Rc::new(Faults::of(&scenario, None))
 }
 
+/// An ego there, so fast, that meets nothing.
+fn driving(position_m: f64, speed_mps: f64) -> Drive {
+    Drive {
+        position_m,
+        speed_mps,
+        acceleration_mps2: 0.0,
+        time_to_collision_s: f64::INFINITY,
+        red_line_m: f64::INFINITY,
+        cut_in: false,
+    }
+}
+
 fn statistics(faults: &Faults) -> Vec<FaultStatistics> {
     let mut found = Vec::new();
     faults.statistics(&mut found);
@@ -123,10 +135,10 @@ fn a_condition_begins_the_fault_once_it_holds() {
                 when = { position_above_m = 50, speed_below_mps = 10 }";
     let faults = faults(text);
     let (mut channel, clock) = channel(&faults);
-    faults.observe(|| Some(Drive::free(60.0, 11.0)), 0);
+    faults.observe(|| Some(driving(60.0, 11.0)), 0);
     assert!(channel.passes(&message(1)), "not begun: it passes at once");
-    faults.observe(|| Some(Drive::free(60.0, 9.0)), 1);
-    faults.observe(|| Some(Drive::free(60.0, 12.0)), 2);
+    faults.observe(|| Some(driving(60.0, 9.0)), 1);
+    faults.observe(|| Some(driving(60.0, 12.0)), 2);
     clock.set_simulated(2);
     assert!(!channel.passes(&message(2)));
     assert!(channel.hand_over().is_none(), "begun at 1, though the condition holds no more");

@@ -8,7 +8,7 @@ use crate::faults::Injected;
 use crate::in_process::coroutine::Pause;
 use crate::machine::scheduling::{Granted, set_fifo_of};
 use crate::report::ServiceReport;
-use crate::survival::standby::{ActiveProcess, OrderSlot, TakeOver};
+use crate::survival::standby::{ActiveProcess, TakeOver};
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -41,8 +41,6 @@ pub enum ToService {
     StopAfter(u64),
     /// A fault to act out.
     Inject(Injected),
-    /// The active process is gone: take the service over. For a standby.
-    TakeOver,
     /// Bring the vehicle to a stop in lane and end: for the plant.
     SafeStop,
     /// End at once.
@@ -113,8 +111,6 @@ pub(crate) struct Orders {
     pub(crate) joined: Arc<AtomicBool>,
     /// The vehicle is to be brought to a stop.
     pub(crate) safe_stop: Arc<AtomicBool>,
-    /// Slot in which a standby finds the order to take over.
-    pub(crate) take_over: OrderSlot,
     /// The thread that reads; 0 without one.
     thread: Arc<AtomicI32>,
 }
@@ -162,7 +158,7 @@ impl Link {
             .map_err(RuntimeError::link("signal handler"))?;
         let (sender, receiver) = sync_channel(2);
         let (faults, injected) = channel();
-        let Orders { end, safe_stop, take_over, thread, .. } = orders.clone();
+        let Orders { end, safe_stop, thread, .. } = orders.clone();
         std::thread::Builder::new()
             .name("link".into())
             .stack_size(128 * 1024)
@@ -176,7 +172,6 @@ impl Link {
                         }
                         Some(ToService::StopAfter(step)) => end.set_before(step + 1),
                         Some(ToService::Inject(injected)) => drop(faults.send(injected)),
-                        Some(ToService::TakeOver) => take_over.take_over(),
                         Some(ToService::SafeStop) => safe_stop.store(true, Ordering::Relaxed),
                         Some(ToService::Abort) | None => end.set_before(0),
                     }

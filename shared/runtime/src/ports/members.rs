@@ -9,7 +9,7 @@ use crate::RuntimeError;
 use crate::words::{KNOWN, RunWords, Shared};
 use messages::Service;
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Enters process `pid` as restart `incarnation` of `service` of the run whose shared memory has this prefix.
 pub fn enroll(
@@ -18,13 +18,18 @@ pub fn enroll(
     incarnation: u32,
     pid: u32,
 ) -> Result<(), RuntimeError> {
-    enter(&map(prefix)?.of(service).processes, process(incarnation, pid));
+    let words = map(prefix)?;
+    let of = words.of(service);
+    let place = free_place(&of.processes);
+    of.ends[place].store(0, Ordering::Relaxed);
+    of.processes[place].store(process(incarnation, pid), Ordering::Release);
     Ok(())
 }
 
 /// Enters process `pid` as one that listens to the run: in lockstep senders wait for it.
 pub fn enroll_listener(prefix: &str, pid: u32) -> Result<(), RuntimeError> {
-    enter(&map(prefix)?.listeners, process(0, pid));
+    let listeners = &map(prefix)?.listeners;
+    listeners[free_place(listeners)].store(process(0, pid), Ordering::Release);
     Ok(())
 }
 
@@ -37,14 +42,14 @@ fn process(incarnation: u32, pid: u32) -> u64 {
     u64::from(incarnation) << 32 | u64::from(pid)
 }
 
-/// Takes a free place, or that of the oldest process that is gone.
-fn enter(known: &[AtomicU64; KNOWN], process: u64) {
-    let is_gone = |place: &&AtomicU64| {
-        let pid = place.load(Ordering::Relaxed) as u32;
+/// A free place, or that of the oldest process that is gone.
+fn free_place(known: &[AtomicU64; KNOWN]) -> usize {
+    let is_gone = |place: &usize| {
+        let pid = known[*place].load(Ordering::Relaxed) as u32;
         !Path::new("/proc").join(pid.to_string()).exists()
     };
-    let oldest = known.iter().filter(is_gone).min_by_key(|place| place.load(Ordering::Relaxed));
-    oldest.unwrap_or(&known[0]).store(process, Ordering::Release);
+    let gone = (0..KNOWN).filter(is_gone);
+    gone.min_by_key(|&place| known[place].load(Ordering::Relaxed)).unwrap_or(0)
 }
 
 impl RunWords {
@@ -54,6 +59,17 @@ impl RunWords {
         Service::by_number(source).is_some_and(|service| {
             self.of(service).processes.iter().any(|known| known.load(Ordering::Acquire) == sought)
         })
+    }
+
+    /// The word in which the kernel marks the end of restart `incarnation` of `service`.
+    pub(crate) fn end(&self, service: Service, incarnation: u32) -> &AtomicU32 {
+        let of = self.of(service);
+        let is_it = |known: &AtomicU64| {
+            let known = known.load(Ordering::Acquire);
+            known != 0 && known >> 32 == u64::from(incarnation)
+        };
+        let place = of.processes.iter().position(is_it);
+        &of.ends[place.unwrap_or(incarnation as usize % KNOWN)]
     }
 
     /// True if process `pid` is any service of the group, or one of its listeners.

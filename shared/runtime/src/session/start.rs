@@ -78,12 +78,11 @@ impl Runtime {
         granted: &Granted,
     ) -> Result<(), RuntimeError> {
         let own = (self.service, self.incarnation);
-        let slot = &self.life.link.orders.take_over;
         // Silent before the threads of the standby begin.
         self.survival.be_silent();
         let peers = self.ports.transport.peers().expect("a standby is a process");
         let words = &peers.words;
-        let standby = Standby::begin(&self.group, words, scenario, own, active, granted, slot)?;
+        let standby = Standby::begin(&self.group, words, scenario, own, active, granted)?;
         self.survival.standby = Some(standby);
         Ok(())
     }

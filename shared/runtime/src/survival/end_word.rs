@@ -41,12 +41,6 @@ struct List {
 /// Length of `struct robust_list_head`, bytes.
 const HEAD_BYTES: usize = offset_of!(List, entry);
 
-/// The word of a service's process.
-fn word(words: &RunWords, service: Service, incarnation: u32) -> &AtomicU32 {
-    let ends = &words.of(service).ends;
-    &ends[incarnation as usize % ends.len()]
-}
-
 /// Lets the kernel mark the end of this process, a service's `incarnation`. A thread of this priority does it; 0 is an
 /// ordinary one.
 pub(crate) fn announce(
@@ -61,7 +55,7 @@ pub(crate) fn announce(
         .stack_size(64 * 1024)
         .spawn(move || {
             set_fifo_of(gettid().as_raw_pid(), priority);
-            own(word(&words, service, incarnation));
+            own(words.end(service, incarnation));
             // The other end waits.
             let _ = sender.send(());
             loop {
@@ -100,7 +94,7 @@ fn own(word: &AtomicU32) {
 
 /// Waits for the end of a service's process; false if the process does not announce its end.
 pub(crate) fn wait(words: &RunWords, service: Service, incarnation: u32) -> bool {
-    let word = word(words, service, incarnation);
+    let word = words.end(service, incarnation);
     loop {
         let owner = word.load(Ordering::SeqCst);
         if owner == 0 || owner & OWNER_DIED != 0 {
@@ -114,7 +108,7 @@ pub(crate) fn wait(words: &RunWords, service: Service, incarnation: u32) -> bool
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::words::END_WORDS;
+    use crate::words::KNOWN;
 
     /// Maps a page of its own; its name is removed at once.
     fn page() -> Shared<RunWords> {
@@ -131,13 +125,13 @@ mod tests {
         let (owned, is_owned) = sync_channel(1);
         let (end, may_end) = sync_channel::<()>(1);
         let owner = std::thread::spawn(move || {
-            own(word(&of_owner, Service::Controller, 3));
+            own(of_owner.end(Service::Controller, 3));
             owned.send(()).expect("the test waits");
             may_end.recv().expect("the test ends it");
         });
         is_owned.recv().expect("it owns the word");
         let waiter = std::thread::spawn(move || wait(&of_waiter, Service::Controller, 3));
-        assert_eq!(word(&page, Service::Controller, 3).load(Ordering::SeqCst) & OWNER_DIED, 0);
+        assert_eq!(page.end(Service::Controller, 3).load(Ordering::SeqCst) & OWNER_DIED, 0);
         end.send(()).expect("it waits");
         owner.join().expect("no panic");
         assert!(waiter.join().expect("no panic"), "it waited for the end");
@@ -150,8 +144,8 @@ mod tests {
         assert!(!wait(&page, Service::Plant, 0));
         for service in Service::ALL {
             page.of(service).epoch.store(1, Ordering::SeqCst);
-            for incarnation in 0..END_WORDS as u32 {
-                let word = word(&page, service, incarnation);
+            for incarnation in 0..KNOWN as u32 {
+                let word = page.end(service, incarnation);
                 assert_eq!(word.swap(1, Ordering::SeqCst), 0, "{service:?} {incarnation}");
             }
         }

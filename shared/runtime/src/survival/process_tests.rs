@@ -1,7 +1,7 @@
 //! A standby beside a real process: its end, its silence, and the wait for either.
 
 use super::fence::tests::Run;
-use super::standby::{ActiveProcess, Cause, OrderSlot, Standby};
+use super::standby::{ActiveProcess, Cause, Standby};
 use crate::counts::figures::Figures;
 use crate::machine::scheduling::Granted;
 use crate::words::RunWords;
@@ -21,7 +21,7 @@ fn process() -> Child {
     command.stdin(Stdio::piped()).stdout(Stdio::null()).spawn().expect("`cat` is everywhere")
 }
 
-fn begin(run: &Run, active: ActiveProcess, slot: &OrderSlot, keys: &str) -> Standby {
+fn begin(run: &Run, active: ActiveProcess, keys: &str) -> Standby {
     // The requested scheduling is not in force: no priority is to be given.
     let granted = Granted {
         requested: "fifo".to_owned(),
@@ -34,7 +34,7 @@ fn begin(run: &Run, active: ActiveProcess, slot: &OrderSlot, keys: &str) -> Stan
     let scenario = Scenario::parse("standby", &text).expect("a scenario");
     let words = run.peers().words;
     let own = (SERVICE, 1);
-    Standby::begin(&run.0, &words, &scenario, own, active, &granted, slot).expect("it begins")
+    Standby::begin(&run.0, &words, &scenario, own, active, &granted).expect("it begins")
 }
 
 /// Ends the process, and waits for the thread that watches it: its last act is to wake the loop.
@@ -75,7 +75,7 @@ fn the_end_of_the_process_is_a_take_over_that_wakes_the_loop() {
     let run = Run::new("ends", &[SERVICE]);
     let mut active = process();
     let pid = active.id().cast_signed();
-    let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, &OrderSlot::default(), "");
+    let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, "");
     let before = woken(&run);
     assert_eq!(policy(), "0", "without a priority it has none to give up");
     let (begun, pause) = (Instant::now(), Duration::from_millis(20));
@@ -103,27 +103,13 @@ fn a_process_that_is_gone_already_is_taken_over_from_at_once() {
     active.kill().expect("it is ours");
     active.wait().expect("it is ours");
     let before = woken(&run);
-    let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, &OrderSlot::default(), "");
+    let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, "");
     assert!(wait_until(|| !standby.stands_by()));
     assert!(matches!(standby.taken_over(), Some((Cause::Gone, _))));
-    assert!(wait_until(|| woken(&run)[1] != before[1]));
-}
-
-#[test]
-fn an_order_of_the_launcher_is_one_too_and_wakes_the_loop() {
-    let run = Run::new("ordered", &[SERVICE]);
-    let active = process();
-    let pid = active.id().cast_signed();
-    let slot = OrderSlot::default();
-    let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, &slot, "");
-    let before = woken(&run);
-    assert!(standby.stands_by());
-    slot.take_over();
-    assert!(matches!(standby.taken_over(), Some((Cause::Gone, _))));
-    assert!(woken(&run)[..2].iter().zip(&before).all(|(now, then)| now != then));
+    let changed = |now: &[u32]| now[..2].iter().zip(&before).all(|(now, then)| now != then);
+    assert!(wait_until(|| changed(&woken(&run))));
     // A wait after it ends at once.
     standby.wait(PATIENCE);
-    end(active, &run);
 }
 
 #[test]
@@ -134,8 +120,7 @@ fn a_process_that_lives_and_does_nothing_is_silent() {
     let active = process();
     let pid = active.id().cast_signed();
     let keys = "[supervision]\nstandby_timeout_ms = 20";
-    let mut standby =
-        begin(&run, ActiveProcess { incarnation: 0, pid }, &OrderSlot::default(), keys);
+    let mut standby = begin(&run, ActiveProcess { incarnation: 0, pid }, keys);
     // As long as it works, nothing happens.
     let until = Instant::now() + Duration::from_millis(60);
     let mut cycles = 0;

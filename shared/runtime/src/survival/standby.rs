@@ -1,8 +1,7 @@
 //! The second process of a service: attached, computing, silent, until it takes the service over.
 //!
 //! ```text
-//! thread `standby`: end of the active process ──┐
-//! thread `link`:    order of the launcher ──────┼─► Order::take_over ─► epoch ─► loop sends what it holds
+//! thread `standby`: end of the active process ──┬─► Order::take_over ─► epoch ─► loop sends what it holds
 //! the loop:         no cycle for too long ──────┘   (the first one counts)
 //! ```
 //!
@@ -22,7 +21,7 @@ use rustix::thread::{futex, gettid};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::os::fd::OwnedFd;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
@@ -101,40 +100,6 @@ impl Order {
     }
 }
 
-/// Slot for the launcher's order to take over, filled by the link's thread.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct OrderSlot(Arc<Slot>);
-
-#[derive(Debug, Default)]
-struct Slot {
-    ordered: AtomicBool,
-    order: OnceLock<Arc<Order>>,
-}
-
-impl OrderSlot {
-    /// The launcher orders the take-over.
-    pub(crate) fn take_over(&self) {
-        self.0.ordered.store(true, Ordering::SeqCst);
-        self.act();
-    }
-
-    /// Does what was ordered, whichever of order and standby came first.
-    fn act(&self) {
-        if self.0.ordered.load(Ordering::SeqCst)
-            && let Some(order) = self.0.order.get()
-        {
-            order.take_over(Cause::Gone, monotonic_ns());
-            order.wake_by_topic();
-        }
-    }
-
-    fn fill(&self, order: Arc<Order>) {
-        // A service is a standby once.
-        let _ = self.0.order.set(order);
-        self.act();
-    }
-}
-
 /// The loop's side of a standby.
 #[derive(Debug)]
 pub(crate) struct Standby {
@@ -153,7 +118,6 @@ impl Standby {
         (service, own): (Service, u32),
         active: ActiveProcess,
         granted: &Granted,
-        slot: &OrderSlot,
     ) -> Result<Self, RuntimeError> {
         let request = Request::of(scenario, service);
         let priority = granted.priority(&request);
@@ -179,7 +143,6 @@ impl Standby {
             .stack_size(64 * 1024)
             .spawn(watch)
             .map_err(RuntimeError::setup("a standby's thread"))?;
-        slot.fill(Arc::clone(&order));
         let timeout_ns = scenario.supervision.standby_timeout_ms.nanoseconds();
         let timeout_ns = i64::try_from(timeout_ns).unwrap_or(i64::MAX);
         let period_ns = group.timetable.period_ns(service);
@@ -319,21 +282,6 @@ mod tests {
         assert!(!standby.stands_by());
         assert_eq!(standby.taken_over(), None);
         assert_eq!(order.words.of(Service::Controller).epoch.load(Ordering::SeqCst), 2);
-    }
-
-    #[test]
-    fn the_launchers_order_counts_whether_it_comes_before_the_standby_or_after() {
-        for first in [true, false] {
-            let run = run(if first { "order-first" } else { "standby-first" });
-            let (order, slot) = (order(&run), OrderSlot::default());
-            if first {
-                slot.take_over();
-            }
-            slot.fill(Arc::clone(&order));
-            assert_eq!(standby(&order).stands_by(), !first);
-            slot.take_over();
-            assert!(matches!(standby(&order).taken_over(), Some((Cause::Gone, _))));
-        }
     }
 
     const PERIOD_NS: i64 = 100;

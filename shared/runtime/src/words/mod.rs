@@ -109,16 +109,13 @@ pub(crate) struct RunWords {
 /// may still be on their way.
 pub(crate) const KNOWN: usize = 16;
 
-/// Processes of a service in a row that have an end word of their own.
-pub(crate) const END_WORDS: usize = 15;
-
 #[repr(C)]
 #[derive(Debug)]
 pub(crate) struct ServiceWords {
     /// Incarnation of the one process that may send.
     pub(crate) epoch: AtomicU32,
-    /// Words in which the kernel marks the end of a process, by its incarnation.
-    pub(crate) ends: [AtomicU32; END_WORDS],
+    /// Words in which the kernel marks the end of each of the members.
+    pub(crate) ends: [AtomicU32; KNOWN],
     /// The service's members.
     pub(crate) processes: [AtomicU64; KNOWN],
 }

@@ -93,8 +93,6 @@ pub enum Step {
         incarnation: u32,
         active: u32,
     },
-    /// Report to this standby that the active process is gone.
-    OrderTakeOver(u32),
     /// This process has become the active one.
     Replaced {
         /// The one before it, which may live on.
@@ -230,10 +228,8 @@ impl Succession {
             return;
         }
         match self.standby {
-            Standby::Ready { incarnation } => {
-                self.phase = Phase::Vacant { since_ns: now_ns };
-                steps.push(Step::OrderTakeOver(incarnation));
-            }
+            // It sees the end itself.
+            Standby::Ready { .. } => self.phase = Phase::Vacant { since_ns: now_ns },
             Standby::Starting { incarnation, since_ns } => {
                 self.active = incarnation;
                 self.replacements += 1;

@@ -40,7 +40,7 @@ fn end_and_take_over_may_come_in_either_order() {
             assert_eq!(steps(&mut machine, Event::TookOver(1), MS), replaced);
             assert_eq!(steps(&mut machine, gone(0), MS), []);
         } else {
-            assert_eq!(steps(&mut machine, gone(0), MS), [Step::OrderTakeOver(1)]);
+            assert_eq!(steps(&mut machine, gone(0), MS), []);
             assert_eq!(steps(&mut machine, Event::TookOver(1), MS), replaced);
         }
         assert_eq!((machine.active(), machine.phase), (1, Phase::Running));
@@ -152,7 +152,6 @@ impl World {
                         *process = Process::StandingBy { active };
                     }
                 }
-                Step::OrderTakeOver(i) => self.take_over(i),
                 Step::Replaced { old, .. } => self.end(old),
                 Step::Kill(i) => self.end(i),
                 Step::GiveUp => self.given_up = true,

@@ -97,11 +97,6 @@ impl Supervisor<'_> {
                 Step::StandBy { incarnation, active } => {
                     self.admit(service, incarnation, Some(active), now_ns);
                 }
-                Step::OrderTakeOver(incarnation) => {
-                    if let Some(standby) = self.roster.of(service).attached(incarnation) {
-                        standby.process.order(&ToService::TakeOver);
-                    }
-                }
                 Step::Replaced { old, new } => {
                     // A stopped process cannot end itself.
                     self.roster.kill(ServiceProcess { service, incarnation: old }, Exit::Replaced);
