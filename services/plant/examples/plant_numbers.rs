@@ -103,7 +103,7 @@ fn cut_in(numbers: &Numbers) -> (f64, f64) {
         truth.vehicles[0].lateral_m = 3.5 * (1.0 + libm::cos(phase));
         truth.vehicles[0].rear_position_m = 60.0;
         let ego = State::default();
-        if around.of(&ego, time_s, Some(&truth), None).cut_in {
+        if around.of(&ego, time_s, Some(&truth), None).cut_in != 0 {
             begins_s = if lasts_s > 0.0 { begins_s } else { time_s };
             lasts_s += PERIOD_S;
         }

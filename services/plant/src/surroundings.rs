@@ -5,21 +5,9 @@ use crate::ahead::Lengths;
 use crate::longitudinal::State;
 use crate::numbers::Numbers;
 use crate::referee::shown;
-use messages::{AllVehicles, PhaseState, SignalTruth};
+use bytemuck::Zeroable;
+use messages::{AllVehicles, EgoTruth, PhaseState, SignalTruth};
 use scenario::Scenario;
-
-/// The surroundings at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Meets {
-    /// Time to collision with the vehicle ahead, s, infinite without one or when it does not come closer.
-    pub time_to_collision_s: f64,
-    /// Distance to the next stop line ahead, m, infinite without one.
-    pub stop_line_m: f64,
-    /// Phase of its signal, [`PhaseState`] as a number; 0 without a signal.
-    pub signal_state: u32,
-    /// A vehicle ahead moves sideways towards the ego's lane.
-    pub cut_in: bool,
-}
 
 /// Slowest closing speed for which a fault's time to collision exists, m/s. Chosen: faults do not wait for a time to
 /// collision beyond 1000 s.
@@ -48,14 +36,14 @@ impl Surroundings {
         }
     }
 
-    /// The surroundings of an ego in `state` at `time_s`.
+    /// The motion and the surroundings of an ego in `state` at `time_s`.
     pub fn of(
         &mut self,
         state: &State,
         time_s: f64,
         vehicles: Option<&AllVehicles>,
         signals: Option<&SignalTruth>,
-    ) -> Meets {
+    ) -> EgoTruth {
         if let Some(vehicles) = vehicles {
             self.observe(state, vehicles);
         }
@@ -69,7 +57,16 @@ impl Surroundings {
         let (stop_line_m, signal_state) = signals
             .and_then(|signals| next_line(signals, state.position_m, time_s))
             .unwrap_or((f64::INFINITY, 0));
-        Meets { time_to_collision_s, stop_line_m, signal_state, cut_in: self.cut_in }
+        EgoTruth {
+            position_m: state.position_m,
+            speed_mps: state.speed_mps,
+            acceleration_mps2: state.acceleration_mps2,
+            time_to_collision_s,
+            stop_line_m,
+            signal_state,
+            cut_in: self.cut_in.into(),
+            ..EgoTruth::zeroed()
+        }
     }
 
     fn observe(&mut self, state: &State, now: &AllVehicles) {
@@ -114,7 +111,6 @@ fn next_line(truth: &SignalTruth, position_m: f64, time_s: f64) -> Option<(f64, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bytemuck::Zeroable;
     use messages::VehicleTruthItem;
 
     const EGO: State = State { position_m: 100.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
@@ -142,14 +138,14 @@ mod tests {
     fn a_vehicle_that_comes_over_cuts_in_until_it_has_arrived() {
         let mut around = new();
         let meets = |around: &mut Surroundings, time_s, lateral_m| {
-            around.of(&EGO, time_s, Some(&vehicle(time_s, lateral_m, 0)), None)
+            around.of(&EGO, time_s, Some(&vehicle(time_s, lateral_m, 0)), None).cut_in != 0
         };
-        assert!(!meets(&mut around, 0.0, 3.5).cut_in);
-        assert!(!meets(&mut around, 0.1, 3.5).cut_in, "beside the lane");
-        assert!(meets(&mut around, 0.2, 3.4).cut_in);
-        assert!(meets(&mut around, 0.2, 3.4).cut_in, "the same sample again");
-        assert!(!meets(&mut around, 0.3, 3.45).cut_in, "on its way out");
-        assert!(!meets(&mut around, 0.4, 0.2).cut_in, "arrived");
+        assert!(!meets(&mut around, 0.0, 3.5));
+        assert!(!meets(&mut around, 0.1, 3.5), "beside the lane");
+        assert!(meets(&mut around, 0.2, 3.4));
+        assert!(meets(&mut around, 0.2, 3.4), "the same sample again");
+        assert!(!meets(&mut around, 0.3, 3.45), "on its way out");
+        assert!(!meets(&mut around, 0.4, 0.2), "arrived");
         let near = around.of(&EGO, 0.5, Some(&vehicle(0.5, 0.0, 1)), None);
         assert!((near.time_to_collision_s - 30.0 / 5.0).abs() < 1e-9);
         assert_eq!((near.stop_line_m, near.signal_state), (f64::INFINITY, 0));

@@ -168,17 +168,8 @@ impl Plant {
             })?;
         }
         let request_mps2 = self.request_mps2;
-        let meets = self.world.meets(release, &state);
-        self.truth.send_with(|message: &mut EgoTruth| {
-            message.header = header;
-            message.position_m = state.position_m;
-            message.speed_mps = state.speed_mps;
-            message.acceleration_mps2 = state.acceleration_mps2;
-            message.request_mps2 = request_mps2;
-            message.time_to_collision_s = meets.time_to_collision_s;
-            (message.stop_line_m, message.signal_state) = (meets.stop_line_m, meets.signal_state);
-            message.cut_in = meets.cut_in.into();
-        })?;
+        let truth = EgoTruth { header, request_mps2, ..self.world.around(release, &state) };
+        self.truth.send_with(|message: &mut EgoTruth| *message = truth)?;
         self.odometry.send_with(|message: &mut Odometry| {
             message.header = header;
             message.position_m = state.position_m;

@@ -1,6 +1,6 @@
 //! The ground truth of others and signals, and the verdicts on the ego among them.
 
-use messages::{AllVehicles, MAX_TRACKS, MoreVehicles, SignalTruth, VehicleTruth};
+use messages::{AllVehicles, EgoTruth, MAX_TRACKS, MoreVehicles, SignalTruth, VehicleTruth};
 use runtime::{Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 
@@ -9,7 +9,7 @@ use crate::clear::ClearWatch;
 use crate::longitudinal::State;
 use crate::numbers::Numbers;
 use crate::referee::{self, Referee, Violation};
-use crate::surroundings::{Meets, Surroundings};
+use crate::surroundings::Surroundings;
 
 /// The ports, and what judges by them.
 pub(super) struct World {
@@ -63,7 +63,7 @@ impl World {
         self.signals.newest()
     }
 
-    pub(super) fn meets(&mut self, release: &Release, ego: &State) -> Meets {
+    pub(super) fn around(&mut self, release: &Release, ego: &State) -> EgoTruth {
         let vehicles = self.has_newest.then_some(&self.newest);
         self.surroundings.of(ego, release.time_s, vehicles, self.signals.newest())
     }
