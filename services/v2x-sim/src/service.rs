@@ -77,9 +77,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
 /// The way of the signals to the vehicle.
 enum Voice {
     Structs {
-        /// Signal phase and timing.
         spat: Publisher<Spat>,
-        /// Stop lines.
         map: Publisher<Map>,
     },
     /// Frames through the air, to the on-board unit.

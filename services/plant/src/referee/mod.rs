@@ -173,8 +173,8 @@ impl Referee {
     fn motion(&mut self, sample: &Sample) {
         let acceleration = sample.ego.acceleration_mps2;
         let figures = &mut self.figures;
-        figures.min_accel_mps2 = smaller(figures.min_accel_mps2, acceleration);
-        figures.max_accel_mps2 = larger(figures.max_accel_mps2, acceleration);
+        smaller(&mut figures.min_accel_mps2, acceleration);
+        larger(&mut figures.max_accel_mps2, acceleration);
         if let (Some(energy), Some(last)) = (&mut self.wheel_energy, &self.last) {
             energy.add(&last.ego, &sample.ego, self.heights.as_ref());
             figures.wheel_energy_kwh_per_100km = energy.kwh_per_100km();
@@ -195,7 +195,7 @@ impl Referee {
             let rise = felt(&sample.ego) - felt(&last.ego);
             let period_s = sample.time_s - last.time_s;
             let jerk = (rise / period_s).abs();
-            figures.max_abs_jerk_mps3 = larger(figures.max_abs_jerk_mps3, jerk);
+            larger(&mut figures.max_abs_jerk_mps3, jerk);
             figures.rms_jerk_mps3 = self.jerk.add(jerk, period_s);
         }
     }
@@ -213,15 +213,15 @@ impl Referee {
         let gap_error = desired.map(|desired| ahead.gap_m - desired);
         figures.final_gap_error_m = gap_error;
         if let Some(error) = gap_error.filter(|_| ahead.gap_m <= self.reach_m) {
-            figures.max_abs_gap_error_m = larger(figures.max_abs_gap_error_m, error.abs());
+            larger(&mut figures.max_abs_gap_error_m, error.abs());
             if let Some(last) = self.last {
                 figures.rms_gap_error_m = self.gap_error.add(error, sample.time_s - last.time_s);
             }
         }
         figures.final_speed_error_mps = Some(closing);
-        figures.min_gap_m = smaller(figures.min_gap_m, ahead.gap_m);
+        smaller(&mut figures.min_gap_m, ahead.gap_m);
         if closing > CLOSING_MPS {
-            figures.min_ttc_s = smaller(figures.min_ttc_s, ahead.gap_m.max(0.0) / closing);
+            smaller(&mut figures.min_ttc_s, ahead.gap_m.max(0.0) / closing);
         }
         let contact = ahead.gap_m <= 0.0;
         if contact && figures.impact_speed_mps.is_none() {
@@ -248,12 +248,12 @@ impl MeanSquare {
     }
 }
 
-fn smaller(kept: Option<f64>, value: f64) -> Option<f64> {
-    Some(kept.map_or(value, |kept| kept.min(value)))
+fn smaller(kept: &mut Option<f64>, value: f64) {
+    *kept = Some(kept.map_or(value, |kept| kept.min(value)));
 }
 
-fn larger(kept: Option<f64>, value: f64) -> Option<f64> {
-    Some(kept.map_or(value, |kept| kept.max(value)))
+fn larger(kept: &mut Option<f64>, value: f64) {
+    *kept = Some(kept.map_or(value, |kept| kept.max(value)));
 }
 
 fn seconds(time_ns: u64) -> f64 {

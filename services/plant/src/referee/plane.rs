@@ -58,8 +58,7 @@ impl PlaneFigures {
     /// Counts a sample that comes `period_s` after the one before.
     pub(super) fn add(&mut self, sample: &InPlane, period_s: f64, figures: &mut ControlFigures) {
         let acceleration = sample.lateral_acceleration_mps2;
-        figures.max_abs_lateral_accel_mps2 =
-            larger(figures.max_abs_lateral_accel_mps2, acceleration.abs());
+        larger(&mut figures.max_abs_lateral_accel_mps2, acceleration.abs());
         let outside = sample.lateral_m.abs() > self.outside_from_m;
         let outside_s = figures.outside_lane_s.unwrap_or(0.0);
         figures.outside_lane_s = Some(outside_s + if outside { period_s } else { 0.0 });
@@ -71,8 +70,7 @@ impl PlaneFigures {
         let place = self.taken % self.window.len();
         if self.taken >= self.window.len() {
             let jerk = (acceleration - self.window[place]) / self.window_s;
-            figures.max_abs_lateral_jerk_mps3 =
-                larger(figures.max_abs_lateral_jerk_mps3, jerk.abs());
+            larger(&mut figures.max_abs_lateral_jerk_mps3, jerk.abs());
         }
         self.window[place] = acceleration;
         self.taken += 1;
