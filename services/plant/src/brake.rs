@@ -28,7 +28,7 @@ pub(crate) struct Snapshot {
 
 /// The emergency brake as the plant has it.
 pub(crate) struct Braking {
-    topic: Subscriber<Brake>,
+    pub(crate) topic: Subscriber<Brake>,
     path: BrakePath,
     lost_ns: i64,
     pub(crate) account: Account,
@@ -67,11 +67,6 @@ impl Braking {
                 runtime.figures(),
             )?,
         }))
-    }
-
-    /// Takes the newest request.
-    pub(crate) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
-        runtime.update(&mut self.topic)
     }
 
     /// Ceiling on the acceleration of a vehicle of acceleration `now_mps2` in this period, m/s².

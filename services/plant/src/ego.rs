@@ -59,7 +59,7 @@ impl Ego {
     pub(crate) fn snapshot(&self) -> Snapshot {
         match self {
             Self::Car(car, _) => Snapshot::Car(car.clone()),
-            Self::Unit(unit) => Snapshot::Car(unit.own().clone()),
+            Self::Unit(unit) => Snapshot::Car(unit.own.clone()),
             Self::Truck(truck) => Snapshot::Truck(truck.kept),
         }
     }
@@ -98,7 +98,7 @@ impl Ego {
     pub(crate) fn state(&self) -> State {
         match self {
             Self::Car(car, _) => car.state(),
-            Self::Unit(unit) => unit.own().state(),
+            Self::Unit(unit) => unit.own.state(),
             Self::Truck(truck) => truck.state(),
         }
     }

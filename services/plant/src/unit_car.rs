@@ -39,8 +39,9 @@ pub(crate) struct Moment {
 
 /// The unit, and the own car with its motion.
 pub(crate) struct UnitCar {
-    program: Hosting<Request, Motion>,
-    own: Vehicle,
+    pub(crate) program: Hosting<Request, Motion>,
+    /// The own car, which has the unit's motion.
+    pub(crate) own: Vehicle,
     pedals: Pedals,
     period_s: f64,
     /// Place of the unit's position 0 on the axis, m.
@@ -82,16 +83,6 @@ impl UnitCar {
             own_periods: 0,
             refusal: None,
         })
-    }
-
-    /// The run begins in real time.
-    pub(crate) fn lend(&self, scenario: &Scenario) {
-        self.program.lend(scenario);
-    }
-
-    /// The own car, which has the unit's motion.
-    pub(crate) fn own(&self) -> &Vehicle {
-        &self.own
     }
 
     /// Goes on from a motion that another process kept.

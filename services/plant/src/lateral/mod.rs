@@ -163,8 +163,8 @@ impl Lateral {
             }
             LateralModel::SingleTrack => Some(self.steered(from, to, aims)),
         };
-        self.sensor.follow(&mut self.state.sensed_radps, self.state.slip.yaw_radps);
-        self.sensor.draw(senses);
+        let yaw_radps = self.state.slip.yaw_radps;
+        self.sensor.follow(&mut self.state.sensed_radps, yaw_radps, senses);
         moved_m
     }
 

@@ -24,13 +24,9 @@ impl YawRateSensor {
         }
     }
 
-    /// Moves the lagged rate on by one period.
-    pub fn follow(&self, sensed_radps: &mut f64, yaw_radps: f64) {
+    /// Moves the lagged rate on by one period, and takes the noise of the next sample from a normal deviate.
+    pub fn follow(&mut self, sensed_radps: &mut f64, yaw_radps: f64, deviate: f64) {
         *sensed_radps += self.share * (yaw_radps - *sensed_radps);
-    }
-
-    /// Takes the noise of the present sample from a normal deviate.
-    pub fn draw(&mut self, deviate: f64) {
         self.noise_radps = self.sigma_radps * deviate;
     }
 

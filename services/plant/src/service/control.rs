@@ -15,7 +15,7 @@ use crate::timeliness::Timeliness;
 
 /// The path with its port.
 pub(super) struct Control {
-    command: Subscriber<Command>,
+    pub(super) command: Subscriber<Command>,
     pub(super) delivery: Delivery,
     pub(super) gateway: Gateway,
     pub(super) chains: Chains,
@@ -51,11 +51,6 @@ impl Control {
             active: None,
             accepted_ns: None,
         })
-    }
-
-    /// Takes the newest command.
-    pub(super) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
-        runtime.update(&mut self.command)
     }
 
     /// Header of the messages of a release: the command that acts shows where they come from.

@@ -30,7 +30,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut plant = Plant::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
     if let (Mode::Realtime, Some(unit)) = (runtime.clock().mode(), plant.ego.unit()) {
-        unit.lend(&scenario);
+        unit.program.lend(&scenario);
     }
     if runtime.is_restarted() {
         plant.restore(&mut runtime);
@@ -95,10 +95,10 @@ impl Plant {
         };
         self.publish(&release)?;
         // The command comes last of all that a step makes wait for.
-        self.control.update(runtime)?;
+        runtime.update(&mut self.control.command)?;
         self.world.update(runtime)?;
         if let Some(braking) = &mut self.braking {
-            braking.update(runtime)?;
+            runtime.update(&mut braking.topic)?;
         }
         if let Some(plane) = &mut self.plane {
             plane.update(runtime)?;
