@@ -18,6 +18,7 @@ const NO_GROUP: u8 = 0;
 /// An intersection, as its frames describe it.
 #[derive(Clone, Debug, Default)]
 pub struct Intersection {
+    numbers: Numbers,
     pub id: u16,
     /// Frames about it.
     frames: u64,
@@ -50,8 +51,8 @@ struct Sender {
 
 impl Intersection {
     /// An intersection before its first frame.
-    pub fn new(id: u16, now_ns: i64) -> Self {
-        Self { id, first_ns: now_ns, heard_ns: now_ns, ..Self::default() }
+    pub fn new(id: u16, now_ns: i64, numbers: Numbers) -> Self {
+        Self { numbers, id, first_ns: now_ns, heard_ns: now_ns, ..Self::default() }
     }
 
     /// Notes any frame about it, from a unit at `unit_m` on the vehicle's path.
@@ -67,21 +68,16 @@ impl Intersection {
     }
 
     /// The stop lines for a vehicle at `ego_m`, including those just passed.
-    pub fn lines(
-        &self,
-        now_ns: i64,
-        ego_m: f64,
-        numbers: &Numbers,
-    ) -> impl Iterator<Item = StopLine> + use<'_> {
-        let passed_m = numbers.passed_m;
+    pub fn lines(&self, now_ns: i64, ego_m: f64) -> impl Iterator<Item = StopLine> + use<'_> {
+        let passed_m = self.numbers.passed_m;
         let told = self.map.iter().flat_map(move |map| map.in_force(ego_m));
-        let lines = told.chain(self.assumed_line(now_ns, numbers));
+        let lines = told.chain(self.assumed_line(now_ns));
         lines.filter(move |line| line.position_m - ego_m > -passed_m)
     }
 
     /// The assumed line of an intersection without a map.
-    fn assumed_line(&self, now_ns: i64, numbers: &Numbers) -> Option<StopLine> {
-        let is_due = now_ns - self.first_ns > nanoseconds(numbers.map_due_s);
+    fn assumed_line(&self, now_ns: i64) -> Option<StopLine> {
+        let is_due = now_ns - self.first_ns > nanoseconds(self.numbers.map_due_s);
         let is_missing = self.map.is_none() && self.elsewhere < 2 && is_due;
         let position_m = self.unit_m.filter(|_| is_missing)? - LINE_BEFORE_UNIT_M;
         Some(StopLine { signal_group: NO_GROUP, position_m })
@@ -93,7 +89,6 @@ impl Intersection {
         state: &IntersectionState,
         made_ns: i64,
         moment: &Moment,
-        numbers: &Numbers,
     ) -> Verdict {
         let now_s = moment.now_ns as f64 / 1e9;
         let timings: Vec<Timing> =
@@ -113,7 +108,7 @@ impl Intersection {
                         sender.made_ns = made_ns;
                     }
                     sender.candidate = Some(timings);
-                    self.renew(moment.now_ns, numbers);
+                    self.renew(moment.now_ns);
                     return Verdict::Contradicting;
                 }
                 sender.candidate = None;
@@ -131,7 +126,7 @@ impl Intersection {
                 self.senders.push(Sender { station, made_ns, words, revision, timings, candidate });
             }
         }
-        if self.disagree(moment.now_ns, numbers) {
+        if self.disagree(moment.now_ns) {
             return Verdict::Contradicting;
         }
         let Some(map) = &self.map else { return Verdict::UnknownIntersection };
@@ -142,12 +137,12 @@ impl Intersection {
             state.movements.iter().any(|movement| movement.signal_group == line.signal_group)
         };
         let is_whole = map.accepted.lines.iter().all(told);
-        self.renew(moment.now_ns, numbers);
+        self.renew(moment.now_ns);
         if is_whole { Verdict::Accepted } else { Verdict::MissingLane }
     }
 
     /// Takes a map.
-    pub fn take_map(&mut self, told: Told, now_ns: i64, numbers: &Numbers) -> Verdict {
+    pub fn take_map(&mut self, told: Told, now_ns: i64) -> Verdict {
         if told.lines.is_empty() {
             self.elsewhere += 1;
             return Verdict::MissingLane;
@@ -162,27 +157,27 @@ impl Intersection {
                 true
             }
         };
-        self.renew(now_ns, numbers);
+        self.renew(now_ns);
         if is_taken { Verdict::Accepted } else { Verdict::Contradicting }
     }
 
     /// The newest timing of a signal group; `None` if senders differ. One of them is false, and so may be its green.
-    pub fn timing(&self, signal_group: u8, now_ns: i64, numbers: &Numbers) -> Option<&Timing> {
-        let timings = &self.accepted(now_ns, numbers)?.timings;
+    pub fn timing(&self, signal_group: u8, now_ns: i64) -> Option<&Timing> {
+        let timings = &self.accepted(now_ns)?.timings;
         timings.iter().find(|timing| timing.signal_group == signal_group)
     }
 
     /// Notes the instant of the accepted timing.
-    fn renew(&mut self, now_ns: i64, numbers: &Numbers) {
-        let made_ns = self.accepted(now_ns, numbers).map(|sender| sender.made_ns);
+    fn renew(&mut self, now_ns: i64) {
+        let made_ns = self.accepted(now_ns).map(|sender| sender.made_ns);
         self.certain_ns = self.certain_ns.max(made_ns);
     }
 
     /// The sender of the newest timing that fits the map, unless another sender contradicts. A sender of a
     /// single message counts only if it is alone.
-    fn accepted(&self, now_ns: i64, numbers: &Numbers) -> Option<&Sender> {
+    fn accepted(&self, now_ns: i64) -> Option<&Sender> {
         let revision = self.map.as_ref()?.revision();
-        if self.disagree(now_ns, numbers) {
+        if self.disagree(now_ns) {
             return None;
         }
         let fitting = self.senders.iter().filter(|sender| sender.revision == revision);
@@ -190,8 +185,8 @@ impl Intersection {
     }
 
     /// True if two senders with standing timing contradict each other. The silence of one does not confirm the other.
-    fn disagree(&self, now_ns: i64, numbers: &Numbers) -> bool {
-        let once_ns = nanoseconds(numbers.once_stands_s);
+    fn disagree(&self, now_ns: i64) -> bool {
+        let once_ns = nanoseconds(self.numbers.once_stands_s);
         let fits = |a: &Timing, b: &Timing| a.agrees_with(b, now_ns as f64 / 1e9);
         let stands = |sender: &&Sender| sender.words >= 2 || now_ns - sender.made_ns <= once_ns;
         let standing: Vec<&Sender> = self.senders.iter().filter(stands).collect();

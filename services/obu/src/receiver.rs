@@ -18,9 +18,9 @@ use crate::signers::Signers;
 use crate::verdict::{Verdict, Verdicts};
 use its::Message;
 use its::geodesy::Plane;
-use its::mapem::Mapem;
+use its::mapem::IntersectionGeometry;
 use its::signed;
-use its::spatem::Spatem;
+use its::spatem::IntersectionState;
 use its::time::from_its_timestamp;
 use messages::{Lane, Map, Spat};
 use std::collections::VecDeque;
@@ -54,6 +54,16 @@ pub struct Receiver {
     pub signers: Signers,
 }
 
+/// The sending of a frame, as it arrived.
+struct Sent<'a> {
+    station: u32,
+    /// Time of the frame by its sender's stamp, ms of UTC.
+    made_ms: i64,
+    /// Position of the sender on the vehicle's path, m; `None` if it is not beside the path.
+    unit_m: Option<f64>,
+    moment: &'a Moment,
+}
+
 impl Receiver {
     /// A unit before its first frame, on a road that is the axis of `plane`.
     pub fn new(station_id: u32, max_age_ms: i64, plane: Plane) -> Self {
@@ -79,9 +89,8 @@ impl Receiver {
 
     /// Drops intersections that are passed and silent. `ego_m` is the vehicle's position on its path.
     pub fn forget(&mut self, now_ns: i64, ego_m: f64) {
-        let numbers = &self.numbers;
         self.intersections.retain(|intersection| {
-            intersection.lines(now_ns, ego_m, numbers).next().is_some()
+            intersection.lines(now_ns, ego_m).next().is_some()
                 || now_ns - intersection.heard_ns < FORGOTTEN_NS
         });
     }
@@ -91,9 +100,7 @@ impl Receiver {
     pub fn write(&self, now_ns: i64, ego_m: f64, map: &mut Map, spat: &mut Spat) -> Option<i64> {
         let mut ahead: Vec<(&Intersection, StopLine)> = (self.intersections.iter())
             .filter(|intersection| intersection.is_confirmed())
-            .flat_map(|known| {
-                known.lines(now_ns, ego_m, &self.numbers).map(move |line| (known, line))
-            })
+            .flat_map(|known| known.lines(now_ns, ego_m).map(move |line| (known, line)))
             .collect();
         ahead.sort_by(|(_, a), (_, b)| a.position_m.total_cmp(&b.position_m));
         let mut oldest_ns: Option<i64> = None;
@@ -109,7 +116,7 @@ impl Receiver {
                 let made_ns = known.certain_ns.unwrap_or(0);
                 oldest_ns = Some(oldest_ns.map_or(made_ns, |oldest| oldest.min(made_ns)));
             }
-            if let Some(timing) = known.timing(line.signal_group, now_ns, &self.numbers) {
+            if let Some(timing) = known.timing(line.signal_group, now_ns) {
                 timing.write(known.id, &mut spat.signals[spat.count as usize]);
                 spat.count += 1;
             }
@@ -143,9 +150,16 @@ impl Receiver {
         let made_ms = from_its_timestamp(stamp, 1 << 32, moment.utc_ms());
         let (along_m, left_m) = self.path.point(frame.source.position);
         let unit_m = (left_m.abs() <= self.numbers.beside_path_m).then_some(along_m);
+        let sent = Sent { station: frame.message.station_id(), made_ms, unit_m, moment };
         match &frame.message {
-            Message::Spatem(spatem) => self.take_spatem(spatem, made_ms, unit_m, moment),
-            Message::Mapem(mapem) => self.take_mapem(mapem, made_ms, unit_m, moment),
+            Message::Spatem(spatem) => {
+                let states = spatem.intersections.iter().map(|state| self.take_state(state, &sent));
+                states.max().unwrap_or(Verdict::Accepted)
+            }
+            Message::Mapem(mapem) => {
+                let maps = mapem.intersections.iter().map(|map| self.take_map(map, &sent));
+                maps.max().unwrap_or(Verdict::Accepted)
+            }
             // CAMs of other vehicles do not affect the signals.
             Message::Cam(_) if self.is_of_now(made_ms, moment) => Verdict::Accepted,
             Message::Cam(_) => Verdict::TooOld,
@@ -157,61 +171,34 @@ impl Receiver {
     }
 
     /// Timing that is too old still shows that the intersection exists: its signals are unknown, not absent.
-    fn take_spatem(
-        &mut self,
-        spatem: &Spatem,
-        sent_ms: i64,
-        unit_m: Option<f64>,
-        moment: &Moment,
-    ) -> Verdict {
-        let numbers = self.numbers;
-        let is_sent_now = self.is_of_now(sent_ms, moment);
-        let mut worst = Verdict::Accepted;
-        for state in &spatem.intersections {
-            let made_ms = state.stamp.map_or(sent_ms, |stamp| stamp.utc(moment.utc_ms()));
-            let is_made_now = is_sent_now && self.is_of_now(made_ms, moment);
-            let verdict = match self.intersection(state.id, moment.now_ns) {
-                Some(known) => {
-                    known.note(moment.now_ns, unit_m);
-                    if is_made_now {
-                        let made_ns = moment.run_ns(made_ms);
-                        known.take_timing(spatem.station_id, state, made_ns, moment, &numbers)
-                    } else {
-                        Verdict::TooOld
-                    }
-                }
-                None => Verdict::UnknownIntersection,
-            };
-            worst = worst.max(verdict);
+    fn take_state(&mut self, state: &IntersectionState, sent: &Sent) -> Verdict {
+        let moment = sent.moment;
+        let made_ms = state.stamp.map_or(sent.made_ms, |stamp| stamp.utc(moment.utc_ms()));
+        let is_of_now = self.is_of_now(sent.made_ms, moment) && self.is_of_now(made_ms, moment);
+        let Some(known) = self.intersection(state.id, moment.now_ns) else {
+            return Verdict::UnknownIntersection;
+        };
+        known.note(moment.now_ns, sent.unit_m);
+        if !is_of_now {
+            return Verdict::TooOld;
         }
-        worst
+        known.take_timing(sent.station, state, moment.run_ns(made_ms), moment)
     }
 
-    fn take_mapem(
-        &mut self,
-        mapem: &Mapem,
-        sent_ms: i64,
-        unit_m: Option<f64>,
-        moment: &Moment,
-    ) -> Verdict {
-        let numbers = self.numbers;
-        let is_sent_now = self.is_of_now(sent_ms, moment);
-        let is_usable = moment.age_ms(sent_ms).abs() <= OLDEST_MAP_MS;
-        let mut worst = Verdict::Accepted;
-        for geometry in &mapem.intersections {
-            let lines = stop_lines(geometry, &self.path, &numbers);
-            let verdict = match self.intersection(geometry.id, moment.now_ns) {
-                Some(known) if is_sent_now || is_usable && known.map.is_none() => {
-                    known.note(moment.now_ns, unit_m);
-                    let (station, geometry) = (mapem.station_id, geometry.clone());
-                    known.take_map(Told { station, geometry, lines }, moment.now_ns, &numbers)
-                }
-                Some(_) => Verdict::TooOld,
-                None => Verdict::UnknownIntersection,
-            };
-            worst = worst.max(verdict);
+    fn take_map(&mut self, geometry: &IntersectionGeometry, sent: &Sent) -> Verdict {
+        let (now_ns, station) = (sent.moment.now_ns, sent.station);
+        let is_of_now = self.is_of_now(sent.made_ms, sent.moment);
+        let is_usable = sent.moment.age_ms(sent.made_ms).abs() <= OLDEST_MAP_MS;
+        let lines = stop_lines(geometry, &self.path, &self.numbers);
+        match self.intersection(geometry.id, now_ns) {
+            Some(known) if is_of_now || is_usable && known.map.is_none() => {
+                known.note(now_ns, sent.unit_m);
+                let geometry = geometry.clone();
+                known.take_map(Told { station, geometry, lines }, now_ns)
+            }
+            Some(_) => Verdict::TooOld,
+            None => Verdict::UnknownIntersection,
         }
-        worst
     }
 
     /// The entry of an intersection; `None` if the room is full.
@@ -220,7 +207,7 @@ impl Receiver {
         let index = match found {
             Some(index) => index,
             None if self.intersections.len() < MOST_INTERSECTIONS => {
-                self.intersections.push(Intersection::new(id, now_ns));
+                self.intersections.push(Intersection::new(id, now_ns, self.numbers));
                 self.intersections.len() - 1
             }
             None => return None,

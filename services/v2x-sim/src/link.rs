@@ -19,7 +19,8 @@ pub(crate) struct Link {
     /// Wall clock at run time 0, ns: of this host, or of a capture's first frame.
     utc_start_ns: i64,
     clock: Option<ClockDifference>,
-    unit: Option<UnitClock>,
+    /// The clock of the roadside unit's programs, once known.
+    pub(crate) unit: Option<UnitClock>,
     before_start: u64,
     /// Time between two messages without frames, ns: they show that the radio lives.
     period_ns: i64,
@@ -61,11 +62,6 @@ impl Link {
             Some(capture) => capture.wall_clock_ns(0),
             None => runtime.utc_start_ns(),
         };
-    }
-
-    /// The clock of the roadside unit's programs, once known.
-    pub(crate) fn unit(&self) -> Option<&UnitClock> {
-        self.unit.as_ref()
     }
 
     /// Publishes the arrived frames and sends the vehicle's own. It does not wait.
@@ -116,7 +112,8 @@ impl Link {
 
     /// Takes the arrived frames.
     fn collect(&mut self, now_ns: i64) {
-        self.batch.clear();
+        self.batch.frames.clear();
+        self.batch.left_out = 0;
         while let Some(frame) = self.carrier.receive(now_ns) {
             if frame.received_ns < self.utc_start_ns {
                 self.before_start += 1;
@@ -150,11 +147,6 @@ impl Link {
 }
 
 impl Batch {
-    fn clear(&mut self) {
-        self.frames.clear();
-        self.left_out = 0;
-    }
-
     fn offer(&mut self, frame: Frame, rank: Rank) {
         if self.frames.len() < MAX_FRAMES {
             self.frames.push((frame, rank));

@@ -116,7 +116,7 @@ impl Voice {
         match self {
             Self::Structs { .. } | Self::Frames(_) => unit.truth(&UnitClock::OWN, time_ns, ego_m),
             Self::Link(link) => {
-                let shown = link.unit().map(|clock| unit.truth(clock, time_ns, ego_m));
+                let shown = link.unit.as_ref().map(|clock| unit.truth(clock, time_ns, ego_m));
                 shown.unwrap_or_else(SignalTruth::zeroed)
             }
         }
