@@ -98,15 +98,6 @@ impl Carrier {
         }
     }
 
-    /// The wall clock of the frames at run time `now_ns`, ns since the Unix epoch. It is this host's, or the capture's,
-    /// whose first frame is at run time 0.
-    pub fn wall_clock_ns(&self, now_ns: i64) -> i64 {
-        match &self.kind {
-            Kind::Live(_) => wall_clock_ns(),
-            Kind::Capture(capture) => capture.wall_clock_ns(now_ns),
-        }
-    }
-
     /// Counts of the frames so far.
     pub fn report(&self) -> RadioReport {
         let carrier = self.address.to_string();
