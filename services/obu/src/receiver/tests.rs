@@ -3,9 +3,9 @@ use crate::lanes::road_plane;
 use bytemuck::Zeroable;
 use its::Frame;
 use its::geonetworking::{HEADER_BYTES, Source, StationType};
-use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, STRAIGHT};
+use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, Mapem, STRAIGHT};
 use its::spatem::{
-    IntersectionState, MovementEvent, MovementPhase, MovementState, Timing as Details,
+    IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing as Details,
 };
 use its::time::{Stamp, TimeMark, its_timestamp};
 use messages::PhaseState;
