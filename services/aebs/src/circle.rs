@@ -62,41 +62,14 @@ impl Circle {
     /// Length along the circle and distance left of it, m, of a point of the body.
     #[must_use]
     pub fn to_way(&self, x_m: f64, y_m: f64) -> (f64, f64) {
-        Turned::of(self).to_way(x_m, y_m).0
+        self.place(x_m, y_m).0
     }
 
-    /// The point of the body that is `along_m` along the circle and `off_m` left of it.
-    #[must_use]
-    pub fn to_body(&self, along_m: f64, off_m: f64) -> (f64, f64) {
-        Turned::of(self).to_body(along_m, off_m)
-    }
-
-    /// Standard deviation of the road's distance from the circle at `along_m`, m.
-    #[must_use]
-    pub fn sigma_m(along_m: f64) -> f64 {
-        0.5 * SIGMA_PERM * along_m * along_m
-    }
-}
-
-/// A circle with the sine and cosine of its heading, for many points.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Turned {
-    pub(crate) circle: Circle,
-    pub(crate) sine: f64,
-    pub(crate) cosine: f64,
-}
-
-impl Turned {
-    pub(crate) fn of(circle: &Circle) -> Self {
-        let (sine, cosine) = libm::sincos(circle.heading_rad);
-        Self { circle: *circle, sine, cosine }
-    }
-
-    /// As [`Circle::to_way`], and the cosine and sine of the circle's heading there in the body's axes.
-    pub(crate) fn to_way(self, x_m: f64, y_m: f64) -> ((f64, f64), (f64, f64)) {
-        let Self { circle, sine, cosine } = self;
+    /// The same, and the cosine and sine of the circle's heading there in the body's axes.
+    pub(crate) fn place(&self, x_m: f64, y_m: f64) -> ((f64, f64), (f64, f64)) {
+        let (sine, cosine) = libm::sincos(self.heading_rad);
         let (x_m, y_m) = (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine);
-        let k = circle.curvature_perm;
+        let k = self.curvature_perm;
         if k == 0.0 {
             return ((x_m, y_m), (cosine, sine));
         }
@@ -110,10 +83,10 @@ impl Turned {
         ((along_m, -q_m / (1.0 + root)), heading)
     }
 
-    /// As [`Circle::to_body`].
-    fn to_body(self, along_m: f64, off_m: f64) -> (f64, f64) {
-        let Self { circle, sine, cosine } = self;
-        let turn_rad = circle.curvature_perm * along_m;
+    /// The point of the body that is `along_m` along the circle and `off_m` left of it.
+    #[must_use]
+    pub fn to_body(&self, along_m: f64, off_m: f64) -> (f64, f64) {
+        let turn_rad = self.curvature_perm * along_m;
         let (half_sine, half_cosine) = libm::sincos(0.5 * turn_rad);
         // A chord has the heading of half of its turn.
         let chord_m =
@@ -122,37 +95,28 @@ impl Turned {
             (2.0 * half_sine * half_cosine, 1.0 - 2.0 * half_sine * half_sine);
         let (x_m, y_m) =
             (chord_m * half_cosine - off_m * turn_sine, chord_m * half_sine + off_m * turn_cosine);
+        let (sine, cosine) = libm::sincos(self.heading_rad);
         (x_m * cosine - y_m * sine, y_m * cosine + x_m * sine)
     }
-}
 
-/// The step from the circle of one scan to that of the next.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Step {
-    before: Turned,
-    next: Turned,
-    sine: f64,
-    cosine: f64,
-}
+    /// Standard deviation of the road's distance from the circle at `along_m`, m.
+    #[must_use]
+    pub fn sigma_m(along_m: f64) -> f64 {
+        0.5 * SIGMA_PERM * along_m * along_m
+    }
 
-impl Step {
-    /// The step of an ego that drove `way_m` and turned by `turn_rad`.
-    pub(crate) fn new(before: &Circle, next: &Circle, way_m: f64, turn_rad: f64) -> Self {
+    /// A place on this circle as seen from the `next` one, when the ego has driven `way_m` and has turned by
+    /// `turn_rad`. The place has been moved back by the way already.
+    pub(crate) fn seen_from(
+        &self,
+        next: &Self,
+        (way_m, turn_rad): (f64, f64),
+        (along_m, off_m): (f64, f64),
+    ) -> (f64, f64) {
         // The body turned by as much more than the circle does on this way.
-        let (sine, cosine) = libm::sincos(turn_rad - before.curvature_perm * way_m);
-        Self { before: Turned::of(before), next: Turned::of(next), sine, cosine }
-    }
-
-    /// A place given on the first circle as seen from the next one. It has been moved back by the way already.
-    pub(crate) fn seen(&self, (along_m, off_m): (f64, f64)) -> (f64, f64) {
-        let Self { sine, cosine, .. } = *self;
-        let (x_m, y_m) = self.before.to_body(along_m, off_m);
-        self.next.to_way(x_m * cosine + y_m * sine, y_m * cosine - x_m * sine).0
-    }
-
-    /// The next circle.
-    pub(crate) fn next(&self) -> &Turned {
-        &self.next
+        let (sine, cosine) = libm::sincos(turn_rad - self.curvature_perm * way_m);
+        let (x_m, y_m) = self.to_body(along_m, off_m);
+        next.to_way(x_m * cosine + y_m * sine, y_m * cosine - x_m * sine)
     }
 }
 
@@ -263,7 +227,7 @@ mod tests {
         let place = (40.0, -3.5);
         let (x_m, y_m) = truth.to_body(place.0, place.1);
         let (along_m, off_m) = before.to_way(x_m, y_m);
-        let seen = Step::new(&before, &next, 1.0, 1.0 / 125.0).seen((along_m - 1.0, off_m));
+        let seen = before.seen_from(&next, (1.0, 1.0 / 125.0), (along_m - 1.0, off_m));
         assert!((seen.0 - 39.0).abs() < 0.03 && (seen.1 + 3.5).abs() < 0.01, "{seen:?}");
     }
 

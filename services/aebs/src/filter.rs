@@ -219,12 +219,6 @@ impl Lateral {
         self.normalise();
     }
 
-    /// Density of a position that is measured with this variance, m², at the time predicted to, 1/m.
-    pub(crate) fn expects(&self, measured_m: f64, variance_m2: f64) -> f64 {
-        let of = |k: usize| density(measured_m - self.mean_m[k], self.variance_m2[k] + variance_m2);
-        (0..STATES).map(|k| self.probability[k] * of(k)).sum()
-    }
-
     /// Takes a measured position with its variance, m², at the time predicted to.
     pub fn update(&mut self, measured_m: f64, variance_m2: f64) {
         for k in 0..STATES {
@@ -264,25 +258,8 @@ impl Lateral {
 }
 
 /// Density of a normal deviate.
-#[inline]
-pub(crate) fn density(off: f64, variance: f64) -> f64 {
-    let bell = exp2(-0.5 * std::f64::consts::LOG2_E * off * off / variance);
-    bell / (std::f64::consts::TAU * variance).sqrt()
-}
-
-/// `2^x` for x up to 0, to 11 digits. Plain arithmetic: several at a time, and the same bits on every machine.
-#[inline]
-fn exp2(x: f64) -> f64 {
-    /// The sum of this and a small number ends with the bits of its whole part.
-    const SHIFT: f64 = 1.5 * (1_u64 << 52) as f64;
-    let shifted = x.max(-1000.0) + SHIFT;
-    let t = std::f64::consts::LN_2 * (x.max(-1000.0) - (shifted - SHIFT));
-    // Taylor's series up to t^9 / 9!, for |t| < 0.35.
-    let mut series = 1.0 + t * (1.0 / 9.0);
-    for divisor in [8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0] {
-        series = 1.0 + t * (1.0 / divisor) * series;
-    }
-    f64::from_bits(series.to_bits().wrapping_add(shifted.to_bits() << 52))
+fn density(off: f64, variance: f64) -> f64 {
+    libm::exp(-0.5 * off * off / variance) / (std::f64::consts::TAU * variance).sqrt()
 }
 
 #[cfg(test)]

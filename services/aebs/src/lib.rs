@@ -26,7 +26,6 @@ pub mod filter;
 pub mod numbers;
 pub mod object;
 pub mod objects;
-mod one_body;
 mod point;
 pub mod prediction;
 pub mod report;

@@ -2,7 +2,6 @@
 
 use crate::circle::Circle;
 use crate::filter::Lateral;
-use crate::one_body::OneBody;
 
 /// Below this speed over ground an object stands, m/s.
 pub(crate) const STANDING_MPS: f64 = 1.0;
@@ -20,15 +19,6 @@ const BLIND_MARGIN_M: f64 = 0.5;
 const PLACES_M: f64 = 4.0;
 /// Standard deviation of the middle of a vehicle of which one point is known, m.
 pub(crate) const FIRST_SIGMA_M: f64 = 0.7;
-/// Largest distance from the ego's axis, m, and largest speed across, m/s, of a lead that keeps to the ego's path.
-/// Chosen: a vehicle that swerves around a standing one is 1.8 m off when it gets there.
-const LEAD_OFF_M: f64 = 0.5;
-const LEAD_RATE_MPS: f64 = 0.4;
-/// It drives from this speed on, m/s.
-const DRIVES_MPS: f64 = 3.0;
-/// Bodies that overlap by this are in one place, m. Chosen: two standard deviations of the distance between two
-/// lateral positions of 0.14 m each.
-const SURE_OVERLAP_M: f64 = 0.4;
 /// Distance of what reflects on a side from the middle, m.
 pub(crate) const SIDE_M: f64 = 0.9;
 
@@ -51,10 +41,6 @@ pub struct Object {
     pub is_confirmed: bool,
     /// Probability that it is there.
     pub probability: f64,
-    /// Probability that it is not two abreast ([`mod@crate::one_body`]).
-    pub(crate) one_body: OneBody,
-    /// A vehicle in the ego's path drove through its place: it is not there.
-    pub(crate) is_driven_through: bool,
     /// The side on which its face is behind a nearer object, 1 left, -1 right, or 0: neither.
     pub(crate) hidden_side: f64,
     /// Scans in which it was seen.
@@ -83,23 +69,12 @@ impl Object {
         half_width_m: f64,
     ) -> Self {
         Self {
-            distance_m,
-            speed_mps,
-            acceleration_mps2: 0.0,
             lateral: Lateral::known(offset_m, lateral_mps),
             half_width_m,
-            length_m: LEAST_LENGTH_M,
             is_confirmed: true,
-            probability: 1.0,
-            one_body: OneBody::default(),
-            is_driven_through: false,
-            hidden_side: 0.0,
             scans: 1,
             history: u32::MAX,
-            unseen_s: 0.0,
-            bow_m: 0.0,
-            way_sigma_m: 0.0,
-            row_m: None,
+            ..Self::begin(distance_m, offset_m, speed_mps)
         }
     }
 
@@ -114,23 +89,6 @@ impl Object {
     #[must_use]
     pub fn stands(&self) -> bool {
         self.speed_mps.abs() < STANDING_MPS
-    }
-
-    /// True if `lead`, a vehicle that keeps to the ego's path, is in the place of this standing object.
-    ///
-    /// Two bodies cannot be in one place. An echo between two vehicles abreast is a merged one: the radar does not
-    /// resolve them. A lead that drives through it proves that the path is free there.
-    pub(crate) fn is_in_the_place_of(&self, lead: &Self) -> bool {
-        let keeps_to_the_path = lead.lateral.position_m.abs() < LEAD_OFF_M
-            && lead.lateral.rate_mps.abs() < LEAD_RATE_MPS
-            && lead.speed_mps > DRIVES_MPS;
-        let apart_m = (self.lateral.position_m - lead.lateral.position_m).abs();
-        let overlap_m = self.half_width_m + lead.half_width_m - apart_m;
-        self.stands()
-            && keeps_to_the_path
-            && overlap_m > SURE_OVERLAP_M
-            && self.distance_m > lead.distance_m
-            && self.distance_m < lead.distance_m + lead.length_m
     }
 
     /// It moved on by `time_s` beside an ego of `ego_mps`.
@@ -269,8 +227,6 @@ impl Object {
             length_m: LEAST_LENGTH_M,
             is_confirmed: false,
             probability: 1.0,
-            one_body: OneBody::default(),
-            is_driven_through: false,
             hidden_side: 0.0,
             scans: 0,
             history: 0,

@@ -21,10 +21,7 @@
 //! The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
 //!
 //! An object counts once it was seen in three of four scans. A standing one counts after four of five. It counts only
-//! up to the neighbouring lanes, so that posts beside the road are left out. A standing object through which a lead in
-//! the path drives does not count. It is an echo of several vehicles beside the path.
-//!
-//! Far off an object may be two vehicles abreast ([`mod@crate::one_body`]): how probable it is that it is one counts.
+//! up to the neighbouring lanes, so that posts beside the road are left out.
 //!
 //! While the radar shows little ([`Objects::expect`]) an object has as many scans longer to be seen.
 //!
@@ -32,12 +29,11 @@
 //! the circle changes, the position of every object is computed anew from it. The object stays where it is in the
 //! plane, so the estimate of the curvature makes no lateral speed.
 
-use crate::circle::{Circle, OwnWay, Step, Turned};
+use crate::circle::{Circle, OwnWay};
 use crate::collision_ahead::where_it_stands;
 use crate::decision::Path;
 use crate::object::Object;
-use crate::one_body::OneBody;
-use crate::point::{Place, Point};
+use crate::point::Point;
 use crate::row::Places;
 use crate::sighting::{Sums, correct};
 use messages::Detection;
@@ -52,8 +48,6 @@ const SLACK_M: f64 = 1.5;
 const SLACK_MPS: f64 = 3.0;
 /// Points of one object differ from it by no more than this: speed, m/s, and lateral position, m.
 const SAME: (f64, f64) = (2.5, 1.9);
-/// Greatest distance from a place between two vehicles to either of them, in the lanes beside the ego's, m.
-const WIDEST_PAIR_M: f64 = 7.5;
 /// Distance beside the path beyond which an object is not a threat on any row, m: both half widths, and 0.6 m.
 const NEAR_PATH_M: f64 = 2.5;
 /// An object that counts is dropped after this time without a point, s.
@@ -71,12 +65,10 @@ pub struct Objects {
     sums: Vec<Sums>,
     last_scan_ns: Option<i64>,
     half_field_of_view_rad: f64,
-    /// Azimuths that are nearer to each other may come out as one, rad.
-    resolution_rad: f64,
     /// Share of the scans in which what is there is expected to be seen.
     share: f64,
-    /// The circle of the last scan, on a road with a plan.
-    circle: Option<Circle>,
+    /// The circle of the last scan.
+    circle: Circle,
     places: Places,
 }
 
@@ -89,17 +81,10 @@ impl Objects {
             sums: Vec::with_capacity(MAX_OBJECTS),
             last_scan_ns: None,
             half_field_of_view_rad,
-            resolution_rad: 0.0,
             share: 1.0,
-            circle: None,
+            circle: Circle::default(),
             places: Places::default(),
         }
-    }
-
-    /// The same for a radar that may merge two echoes whose azimuths differ by less than this, rad.
-    #[must_use]
-    pub fn resolving(self, resolution_rad: f64) -> Self {
-        Self { resolution_rad, ..self }
     }
 
     /// Expects what is there to be seen in this share of the scans from now on, 0 to 1.
@@ -109,7 +94,7 @@ impl Objects {
 
     /// The objects that count, as of the last scan.
     pub fn confirmed(&self) -> impl Iterator<Item = &Object> {
-        self.list.iter().filter(|object| object.is_confirmed && !object.is_driven_through)
+        self.list.iter().filter(|object| object.is_confirmed)
     }
 
     /// Those, and each that is about to hit another one in the ego's `path` ([`mod@crate::collision_ahead`]) as it
@@ -132,30 +117,26 @@ impl Objects {
         detections: &[Detection],
     ) {
         let Some(period_s) = self.advance(scan_ns, ego_mps) else { return };
-        let way = way.map(|way| self.turn(way, period_s, ego_mps));
+        if let Some(way) = way {
+            self.turn(way, period_s, ego_mps);
+        }
         let half_field_of_view_rad = self.half_field_of_view_rad;
         self.sums.clear();
         self.sums.resize(self.list.len(), Sums::NONE);
-        let circle = way.as_ref().map(|way| &way.circle);
-        let straight = Turned::of(&Circle::default());
-        for detection in detections {
-            let way = way.as_ref().unwrap_or(&straight);
-            let Some(place) = Place::of(detection, ego_mps, way) else { continue };
-            if let Some(point) = Point::of(detection, &place) {
-                self.assign(&point, circle);
+        let circle = self.circle;
+        for point in detections.iter().filter_map(|one| Point::of(one, ego_mps, &circle)) {
+            if !point.is_beside_the_road() {
+                self.assign(&point, way.is_some());
             }
-            if circle.is_some() && place.stands() {
-                self.places.take(place.x_m, place.y_m);
+            if way.is_some() && point.stands() {
+                self.places.take(point.x_m, point.y_m);
             }
         }
         for (object, sums) in self.list.iter_mut().zip(&self.sums) {
             let shows_its_face = object.shows_its_face(half_field_of_view_rad);
-            let may_be_two = OneBody::is_doubtful(object.distance_m, self.resolution_rad);
-            correct(object, sums, period_s, shows_its_face, (self.share, may_be_two));
-            object.probability = if may_be_two { object.one_body.probability() } else { 1.0 };
+            correct(object, sums, period_s, shows_its_face, self.share);
         }
-        self.see_what_is_driven_through();
-        if circle.is_some() {
+        if way.is_some() {
             self.see_rows();
         }
         let share = self.share;
@@ -194,22 +175,22 @@ impl Objects {
         Some(period_s)
     }
 
-    /// Counts all places along the circle of the way as it is now; returns it. The ego has driven on for `period_s`,
-    /// and has turned by its yaw rate meanwhile. A standing object stays in its place in the plane.
-    fn turn(&mut self, way: &OwnWay, period_s: f64, ego_mps: f64) -> Turned {
+    /// Counts all places along the circle of the way as it is now. The ego has driven on for `period_s`, and has turned
+    /// by its yaw rate meanwhile. A standing object stays in its place in the plane.
+    fn turn(&mut self, way: &OwnWay, period_s: f64, ego_mps: f64) {
         let circle = way.circle();
-        let before = self.circle.replace(circle).unwrap_or(circle);
-        let (way_m, turn_rad) = (ego_mps * period_s, way.yaw_rate_radps() * period_s);
-        let step = Step::new(&before, &circle, way_m, turn_rad);
+        let before = std::mem::replace(&mut self.circle, circle);
+        let way_m = ego_mps * period_s;
+        let step = (way_m, way.yaw_rate_radps() * period_s);
+        let seen = |place| before.seen_from(&circle, step, place);
         for object in &mut self.list {
             let off_m = object.lateral.position_m;
-            let (along_m, now_m) = step.seen((object.distance_m, off_m));
+            let (along_m, now_m) = seen((object.distance_m, off_m));
             object.distance_m = along_m;
             object.lateral.shift(now_m - off_m);
             object.see_along(&circle);
         }
-        self.places.move_on(&step, period_s, way_m);
-        *step.next()
+        self.places.move_on(seen, period_s, way_m);
     }
 
     /// Standing places, on whose rows an object may be.
@@ -227,18 +208,7 @@ impl Objects {
         }
     }
 
-    /// Marks standing objects in whose place a lead is.
-    fn see_what_is_driven_through(&mut self) {
-        for index in 0..self.list.len() {
-            let object = &self.list[index];
-            let mut leads = self.list.iter().filter(|lead| lead.is_confirmed);
-            let is_through = leads.any(|lead| object.is_in_the_place_of(lead));
-            let stays = object.is_driven_through && object.stands();
-            self.list[index].is_driven_through = stays || is_through;
-        }
-    }
-
-    fn assign(&mut self, point: &Point, circle: Option<&Circle>) {
+    fn assign(&mut self, point: &Point, is_curved: bool) {
         let mut best: Option<(f64, usize)> = None;
         for (index, object) in self.list.iter().enumerate() {
             let dx = point.x_m - object.distance_m;
@@ -247,12 +217,7 @@ impl Objects {
             }
             let dv = (point.speed_mps - object.speed_mps).abs();
             let dy = (point.y_m - object.lateral.position_m).abs();
-            if dv > SAME.0 {
-                continue;
-            }
-            if dy > SAME.1 {
-                let slack_m = SLACK_M + object.unseen_s * SLACK_MPS;
-                self.sums[index].is_elsewhere |= dx < slack_m && dy < WIDEST_PAIR_M;
+            if dv > SAME.0 || dy > SAME.1 {
                 continue;
             }
             let cost = dv / SAME.0 + dy / SAME.1 + dx.abs() / REACH_M;
@@ -262,15 +227,15 @@ impl Objects {
         }
         match best {
             Some((_, index)) => self.sums[index].add(point, &self.list[index]),
-            None if self.list.len() < MAX_OBJECTS => self.begin(point, circle),
+            None if self.list.len() < MAX_OBJECTS => self.begin(point, is_curved),
             None => {}
         }
     }
 
-    fn begin(&mut self, point: &Point, circle: Option<&Circle>) {
+    fn begin(&mut self, point: &Point, is_curved: bool) {
         let mut object = Object::begin(point.x_m, point.y_m, point.speed_mps);
-        if let Some(circle) = circle {
-            object.see_along(circle);
+        if is_curved {
+            object.see_along(&self.circle);
         }
         let mut sums = Sums::NONE;
         sums.add(point, &object);

@@ -2,7 +2,7 @@
 
 use messages::Detection;
 
-use crate::circle::Turned;
+use crate::circle::Circle;
 use crate::object::STANDING_MPS;
 
 /// Standing points farther off the path than this are left out, m: what stands beyond the neighbouring lanes. Selecting
@@ -24,58 +24,10 @@ const STRONGEST: f64 = 31.622_776_601_683_793;
 /// Standard deviation of the place that reflects on a side, m.
 pub(crate) const SIDE_SIGMA_M: f64 = 0.03;
 
-/// Place and speed of a detection.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
-    /// Along the way and left of it.
-    pub(crate) x_m: f64,
-    pub(crate) y_m: f64,
-    /// Speed over ground of what moves along the road.
-    speed_mps: f64,
-    /// Sine and cosine of the angle between the line of sight and the road there.
-    sine: f64,
-    cosine: f64,
-    /// Distance along the body, and the cosine of the azimuth.
-    ahead_m: f64,
-    ahead_cosine: f64,
-}
-
-impl Place {
-    /// `None` for what is behind the antenna, or moves across the line of sight.
-    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: &Turned) -> Option<Self> {
-        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
-        if cosine < LEAST_COSINE {
-            return None;
-        }
-        let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
-        let ((x_m, y_m), (way_cosine, way_sine)) = way.to_way(ahead_m, left_m);
-        let (road_sine, road_cosine) =
-            (sine * way_cosine - cosine * way_sine, cosine * way_cosine + sine * way_sine);
-        if road_cosine < LEAST_COSINE {
-            return None;
-        }
-        // A standing object comes nearer with the ego's own speed along the line of sight.
-        let own_mps = ego_mps * (cosine * way.cosine + sine * way.sine);
-        Some(Self {
-            x_m,
-            y_m,
-            speed_mps: (own_mps + detection.range_rate_mps) / road_cosine,
-            sine: road_sine,
-            cosine: road_cosine,
-            ahead_m,
-            ahead_cosine: cosine,
-        })
-    }
-
-    /// True if it stands.
-    pub(crate) fn stands(&self) -> bool {
-        self.speed_mps.abs() < 2.0 * STANDING_MPS
-    }
-}
-
 /// A detection as a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point {
+    /// Along the way and left of it.
     pub(crate) x_m: f64,
     pub(crate) y_m: f64,
     /// Speed over ground of what moves along the road.
@@ -90,30 +42,47 @@ pub(crate) struct Point {
 }
 
 impl Point {
-    /// The point of a detection at its place; `None` for what stands beside the road.
-    pub(crate) fn of(detection: &Detection, place: &Place) -> Option<Self> {
-        if place.y_m.abs() > STANDING_OFFSET_M && place.stands() {
+    /// `None` for what is behind the antenna, or moves across the line of sight.
+    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: &Circle) -> Option<Self> {
+        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
+        let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
+        let ((x_m, y_m), (way_cosine, way_sine)) = way.place(ahead_m, left_m);
+        let road_sine = sine * way_cosine - cosine * way_sine;
+        let road_cosine = cosine * way_cosine + sine * way_sine;
+        if cosine < LEAST_COSINE || road_cosine < LEAST_COSINE {
             return None;
         }
-        let Place { x_m, y_m, speed_mps, sine, cosine, ahead_m, ahead_cosine } = *place;
+        // A standing object comes nearer with the ego's own speed along the line of sight.
+        let own_mps = ego_mps * libm::cos(detection.azimuth_rad - way.heading_rad);
+        let speed_mps = (own_mps + detection.range_rate_mps) / road_cosine;
         let amplitude = libm::exp10(0.05 * detection.snr_db.clamp(0.0, 60.0));
         let weak = 1.0 / amplitude;
         let (weak_rad, weak_mps) = (WEAK_SIGMA_RAD * weak, WEAK_SIGMA_MPS * weak);
-        let along_m2 = RANGE_SIGMA_M * RANGE_SIGMA_M * sine * sine;
-        let ahead_cosine2 = ahead_cosine * ahead_cosine;
+        let along_m2 = RANGE_SIGMA_M * RANGE_SIGMA_M * road_sine * road_sine;
+        let cosine2 = cosine * cosine;
         let across_m2 = along_m2
             + ahead_m * ahead_m * (AZIMUTH_SIGMA_RAD * AZIMUTH_SIGMA_RAD + weak_rad * weak_rad)
-                / (ahead_cosine2 * ahead_cosine2);
+                / (cosine2 * cosine2);
         Some(Self {
             x_m,
             y_m,
             speed_mps,
-            tangent: sine / cosine,
+            tangent: road_sine / road_cosine,
             amplitude: amplitude.min(STRONGEST),
             variance_m2: across_m2 + SIDE_SIGMA_M * SIDE_SIGMA_M,
             speed_variance: (RATE_SIGMA_MPS * RATE_SIGMA_MPS + weak_mps * weak_mps)
-                / (cosine * cosine),
+                / (road_cosine * road_cosine),
         })
+    }
+
+    /// True if it stands.
+    pub(crate) fn stands(&self) -> bool {
+        self.speed_mps.abs() < 2.0 * STANDING_MPS
+    }
+
+    /// True if it stands beside the road.
+    pub(crate) fn is_beside_the_road(&self) -> bool {
+        self.y_m.abs() > STANDING_OFFSET_M && self.stands()
     }
 }
 

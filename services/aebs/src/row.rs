@@ -17,7 +17,6 @@
 //! the best one from within it. The place is on such a row if the first holds more places. They may be farther: the last
 //! car of a queue behind a curve is the nearest one.
 
-use crate::circle::Step;
 use crate::object::Object;
 
 /// Most places that are kept.
@@ -82,10 +81,15 @@ impl Places {
         self.list.clear();
     }
 
-    /// Moves on by `period_s`, in which the ego drove `way_m`, to the circle behind `step`.
-    pub(crate) fn move_on(&mut self, step: &Step, period_s: f64, way_m: f64) {
+    /// Moves on by `period_s`, in which the ego drove `way_m`. Places are `seen` from the next circle then.
+    pub(crate) fn move_on(
+        &mut self,
+        seen: impl Fn((f64, f64)) -> (f64, f64),
+        period_s: f64,
+        way_m: f64,
+    ) {
         for place in &mut self.list {
-            (place.along_m, place.off_m) = step.seen((place.along_m - way_m, place.off_m));
+            (place.along_m, place.off_m) = seen((place.along_m - way_m, place.off_m));
             place.unseen_s += period_s;
             place.is_fresh = false;
         }
@@ -211,8 +215,6 @@ mod tests {
     use super::*;
     use crate::circle::Circle;
 
-    const STRAIGHT: Circle = Circle { curvature_perm: 0.0, heading_rad: 0.0 };
-
     /// Places as an ego on a straight sees them whose lane bends with `radius_m` in `begin_m`.
     fn before_a_curve(begin_m: f64, radius_m: f64, places: &[(f64, f64)]) -> Places {
         let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
@@ -227,7 +229,7 @@ mod tests {
                 };
                 kept.take(x_m, y_m);
             }
-            kept.move_on(&Step::new(&STRAIGHT, &STRAIGHT, 0.0, 0.0), 0.05, 0.0);
+            kept.move_on(|place| place, 0.05, 0.0);
         }
         kept
     }
@@ -251,7 +253,7 @@ mod tests {
                 };
                 kept.take(place.0, place.1);
             }
-            kept.move_on(&Step::new(&curve, &curve, 0.0, 0.0), 0.05, 0.0);
+            kept.move_on(|place| place, 0.05, 0.0);
         }
         kept
     }
@@ -366,11 +368,11 @@ mod tests {
         }
         assert!(!places.lead_to(29.0, 0.0), "seen once");
         for _ in 0..3 {
-            places.move_on(&Step::new(&STRAIGHT, &STRAIGHT, 0.0, 0.0), 0.05, 0.0);
+            places.move_on(|place| place, 0.05, 0.0);
         }
         assert!(places.list.is_empty());
         let mut places = before_a_curve(0.0, 125.0, &row(5.0, 8.0, -3.5));
-        places.move_on(&Step::new(&STRAIGHT, &STRAIGHT, 40.0, 0.0), 1.0, 40.0);
+        places.move_on(|place| place, 1.0, 40.0);
         assert!(places.list.iter().all(|place| place.along_m > -BEHIND_M));
         assert!(!places.list.is_empty());
     }

@@ -84,11 +84,7 @@ pub fn settings(scenario: &Scenario) -> Settings {
 /// The objects that a scenario's radar sees, none yet.
 #[must_use]
 pub fn objects(scenario: &Scenario) -> Objects {
-    let radar = &scenario.perception.radar;
-    let resolution_deg =
-        if radar.detections.merge { radar.detections.azimuth_resolution_deg.value() } else { 0.0 };
-    Objects::new(0.5 * radar.field_of_view_deg.value().to_radians())
-        .resolving(resolution_deg.to_radians())
+    Objects::new(0.5 * scenario.perception.radar.field_of_view_deg.value().to_radians())
 }
 
 /// Sight of a scenario's radar before its first scan.

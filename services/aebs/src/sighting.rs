@@ -32,8 +32,6 @@ const ACCELERATION_S: f64 = 0.2;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sums {
     points: f64,
-    /// A point of its range and speed was too far beside it.
-    pub(crate) is_elsewhere: bool,
     speed_mps: f64,
     farthest_m: f64,
     missed_points: f64,
@@ -54,7 +52,6 @@ pub(crate) struct Sums {
 impl Sums {
     pub(crate) const NONE: Self = Self {
         points: 0.0,
-        is_elsewhere: false,
         speed_mps: 0.0,
         farthest_m: 0.0,
         missed_points: 0.0,
@@ -157,18 +154,14 @@ impl Sums {
 }
 
 /// Corrects an object by the points of a scan, if there are any. It is expected to be seen in a `share` of the scans.
-/// If it `may_be_two`, the scan says how probable that is.
 pub(crate) fn correct(
     object: &mut Object,
     sums: &Sums,
     period_s: f64,
     shows_its_face: bool,
-    (share, may_be_two): (f64, bool),
+    share: f64,
 ) {
     if sums.points == 0.0 {
-        if may_be_two && sums.is_elsewhere {
-            object.one_body.miss();
-        }
         object.coast();
         return;
     }
@@ -201,10 +194,6 @@ pub(crate) fn correct(
         if first {
             object.lateral = Lateral::first(middle_m, FIRST_SIGMA_M);
         } else {
-            if may_be_two {
-                let expected = object.lateral.expects(middle_m, variance_m2);
-                object.one_body.see(middle_m, variance_m2, expected);
-            }
             object.lateral.update(middle_m, variance_m2);
         }
     }

@@ -1,7 +1,6 @@
 //! Each transition of the decision, and what holds in all of them.
 
 use super::*;
-use crate::circle::{Circle, Step as Way};
 
 const PERIOD_S: f64 = 0.05;
 
@@ -333,12 +332,12 @@ proptest::proptest! {
 #[test]
 fn an_object_on_a_row_is_braked_for_from_the_last_point_to_steer_on() {
     // A queue in the next lane of a curve ahead, three times seen.
-    let (straight, mut places) = (Circle::default(), Places::default());
+    let mut places = Places::default();
     for _ in 0..3 {
         for along_m in (0..12).map(|k| 5.0 + 8.0 * f64::from(k)) {
             places.take(along_m, along_m * along_m / 500.0 - 3.5);
         }
-        places.move_on(&Way::new(&straight, &straight, 0.0, 0.0), PERIOD_S, 0.0);
+        places.move_on(|place| place, PERIOD_S, 0.0);
     }
     let first_braking_m = |is_on_row: bool| {
         let mut decision = Decision::new(settings());

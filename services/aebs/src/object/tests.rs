@@ -45,36 +45,6 @@ fn it_stands_below_a_metre_a_second() {
     }
 }
 
-#[test]
-fn a_lead_that_keeps_to_the_path_takes_the_place_of_what_is_not_there() {
-    let lead = Object::at(38.0, 10.0, 0.0, 0.0, 0.95);
-    let there = stands(40.0, 0.0);
-    let takes = |there: Object, lead: Object| there.is_in_the_place_of(&lead);
-    assert!(takes(there, lead));
-    // Its rear is before the object, and its front, 4.3 m farther, behind.
-    for (distance_m, expected) in [(37.9, false), (38.1, true), (42.2, true), (42.4, false)] {
-        assert_eq!(takes(Object { distance_m, ..there }, lead), expected, "{distance_m}");
-    }
-    // Both are 1.9 m wide: 0.4 m of overlap are left 1.5 m beside it.
-    for (off_m, expected) in [(1.49, true), (1.51, false), (-1.49, true), (-1.51, false)] {
-        assert_eq!(takes(stands(40.0, off_m), lead), expected, "{off_m}");
-    }
-    for (off_m, rate_mps, speed_mps, expected) in [
-        (0.49, 0.0, 10.0, true),
-        (0.51, 0.0, 10.0, false),
-        (-0.51, 0.0, 10.0, false),
-        (0.0, 0.39, 10.0, true),
-        (0.0, 0.41, 10.0, false),
-        (0.0, -0.41, 10.0, false),
-        (0.0, 0.0, 3.1, true),
-        (0.0, 0.0, 3.0, false),
-    ] {
-        let lead = Object::at(38.0, speed_mps, off_m, rate_mps, 0.95);
-        assert_eq!(takes(there, lead), expected, "{off_m} {rate_mps} {speed_mps}");
-    }
-    assert!(!takes(Object { speed_mps: 5.0, ..there }, lead), "it moves itself");
-}
-
 /// The field of view reaches a metre to the side in two.
 #[test]
 fn a_face_shows_where_its_nearer_corner_is_in_the_field_of_view() {

@@ -192,44 +192,6 @@ fn a_standing_queue_beside_the_lane_stays_there() {
     assert!(object.lateral.rate_mps.abs() < 1e-6, "what stands does not move: {object:?}");
 }
 
-/// True if a standing echo at `echo_m` across counts, before and after a lead passes it. The lead drives 30 m/s, 1 m
-/// off the axis per second.
-fn counts_around_a_lead(echo_m: f64, lead_m: f64, lead_rate_mps: f64) -> (bool, bool) {
-    let mut objects = Objects::new(HALF_FIELD_RAD);
-    let mut counts = (false, false);
-    for k in 0..40 {
-        let (time_s, x_m) = (f64::from(k) * 0.05, 90.0 - 1.5 * f64::from(k));
-        let lead_y_m = lead_m + lead_rate_mps * time_s;
-        let places = [(0.0, -0.9), (0.0, 0.0), (0.0, 0.9), (3.4, 0.0)];
-        let mut list = places.map(|(dx, dy)| detection(50.0 + dx, lead_y_m + dy, 0.0)).to_vec();
-        if x_m > 0.0 {
-            list.push(detection(x_m, echo_m, -30.0));
-        }
-        list.sort_by(|a, b| a.range_m.total_cmp(&b.range_m));
-        objects.take_scan(None, i64::from(k) * PERIOD_NS, 30.0, &list);
-        let stands = objects.confirmed().any(Object::stands);
-        if x_m > 58.0 {
-            counts.0 |= stands;
-        } else if x_m < 46.0 {
-            counts.1 |= stands;
-        }
-    }
-    counts
-}
-
-#[test]
-fn an_object_that_a_lead_drives_through_is_not_there() {
-    assert_eq!(counts_around_a_lead(0.3, 0.0, 0.0), (true, false));
-    assert_eq!(counts_around_a_lead(-1.2, 0.0, 0.0), (true, false));
-}
-
-#[test]
-fn an_object_that_a_lead_passes_or_swerves_around_stays() {
-    assert_eq!(counts_around_a_lead(-1.9, 0.0, 0.0), (true, true), "beside its body");
-    assert_eq!(counts_around_a_lead(0.0, 1.9, 0.0), (true, true), "it drives beside the path");
-    assert_eq!(counts_around_a_lead(0.0, -0.4, 0.6), (true, true), "it leaves the path");
-}
-
 /// The scan in which a standing car counts of which every seventh scan shows something.
 fn counts_from(share: f64) -> Option<i64> {
     let mut objects = Objects::new(HALF_FIELD_RAD);

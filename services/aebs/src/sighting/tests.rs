@@ -101,7 +101,7 @@ fn a_scan_corrects_speed_acceleration_place_and_length() {
     // An object that moves to the right with 1 m/s looks 0.1 m/s slower on the left: 11.0 and 11.0
     // m/s.
     let sums = sums(&object, &[faster, far]);
-    correct(&mut object, &sums, 0.05, true, (1.0, false));
+    correct(&mut object, &sums, 0.05, true, 1.0);
     assert!((object.speed_mps - 10.6).abs() < 1e-6, "{object:?}");
     // 0.6 m/s in 0.05 s are 12 m/s², of which a fifth is taken.
     assert!((object.acceleration_mps2 - 2.4).abs() < 1e-4, "{object:?}");
@@ -110,10 +110,10 @@ fn a_scan_corrects_speed_acceleration_place_and_length() {
     assert_eq!((object.scans, object.unseen_s), (10, 0.0));
     // Without its face the distance stays, and the first scan is taken as it is.
     let mut hidden = Object { scans: 9, ..Object::at(20.0, 10.0, 0.0, 0.0, 0.95) };
-    correct(&mut hidden, &sums, 0.05, false, (1.0, false));
+    correct(&mut hidden, &sums, 0.05, false, 1.0);
     assert_eq!(hidden.distance_m, 20.0);
     let mut new = Object { scans: 0, ..Object::at(20.0, 10.0, 0.0, 0.0, 0.95) };
-    correct(&mut new, &sums, 0.05, false, (1.0, false));
+    correct(&mut new, &sums, 0.05, false, 1.0);
     assert!((new.distance_m - 20.4).abs() < 1e-9 && (new.speed_mps - 11.0).abs() < 1e-6);
     assert_eq!(new.acceleration_mps2, 0.0);
     // No vehicle accelerates or brakes beyond its limits.
@@ -122,7 +122,7 @@ fn a_scan_corrects_speed_acceleration_place_and_length() {
         let speed_mps = if limit_mps2 > 0.0 { 60.0 } else { 10.0 };
         let jump = Point { speed_mps, ..point(20.0, 0.0, 1.0) };
         let sums = super::tests::sums(&wild, &[jump]);
-        correct(&mut wild, &sums, 0.05, true, (1.0, false));
+        correct(&mut wild, &sums, 0.05, true, 1.0);
         assert_eq!(wild.acceleration_mps2, limit_mps2);
     }
 }
@@ -135,7 +135,7 @@ fn a_moving_object_counts_after_three_of_four_scans_and_a_standing_one_after_fou
             object.history <<= 1;
             let points = [Point { speed_mps, ..point(20.0, 0.0, 1.0) }];
             let sums = if *is_seen { sums(&object, &points) } else { Sums::NONE };
-            correct(&mut object, &sums, 0.05, true, (1.0, false));
+            correct(&mut object, &sums, 0.05, true, 1.0);
         }
         object.is_confirmed
     };
