@@ -1,5 +1,7 @@
 //! Input of a law at one release.
 
+use super::following::kinematics::Motion;
+use super::following::safe_gap::LeadNow;
 use super::preview::Preview;
 
 /// Largest number of signals in a law's input, nearest first.
@@ -18,6 +20,15 @@ pub struct Ego {
     pub acceleration_mps2: f64,
 }
 
+impl Ego {
+    /// Its motion in its own frame.
+    #[must_use]
+    pub fn motion(&self) -> Motion {
+        let Self { speed_mps, acceleration_mps2, .. } = *self;
+        Motion { position_m: 0.0, speed_mps, acceleration_mps2 }
+    }
+}
+
 /// The in-path target as the tracker reports it, brought to the time of the release.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Target {
@@ -31,6 +42,18 @@ pub struct Target {
     pub acceleration_mps2: f64,
     /// Age of the sample behind this estimate, s.
     pub age_s: f64,
+}
+
+impl Target {
+    /// The vehicle ahead of an ego at `ego_mps`; it does not drive backwards.
+    #[must_use]
+    pub fn lead(&self, ego_mps: f64) -> LeadNow {
+        LeadNow {
+            gap_m: self.gap_m,
+            speed_mps: (ego_mps + self.relative_speed_mps).max(0.0),
+            acceleration_mps2: self.acceleration_mps2,
+        }
+    }
 }
 
 /// Movement phase of a signal group (SAE J2735 movement phase state, reduced).

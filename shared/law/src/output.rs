@@ -1,5 +1,7 @@
 //! Output of a law at one release.
 
+use truck_model::Demand;
+
 /// Longest plan a command can carry, in control steps.
 pub const MAX_PLAN: usize = 128;
 /// Most figures that a law shows.
@@ -19,17 +21,6 @@ pub enum Quality {
     FallBack,
 }
 
-/// A request to a truck's engine, in addition to the acceleration requests.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TorqueRequest {
-    /// Torque at the crankshaft, N m; below the drag torque it asks for the engine brake.
-    pub engine_torque_nm: f64,
-    /// Force of the service brakes at the wheels, N: the last resort, 0 otherwise.
-    pub service_brake_n: f64,
-    /// Gear to engage, counted from 0; `None` leaves it to the gearbox.
-    pub gear: Option<usize>,
-}
-
 /// Output of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
@@ -39,7 +30,7 @@ pub struct Output {
     pub plan_len: usize,
     /// Request to a truck's engine now. It comes before `plan_mps2[0]`, which is the same as an acceleration; the later
     /// requests of the plan have no torque.
-    pub torque: Option<TorqueRequest>,
+    pub torque: Option<Demand>,
     /// Mode of the law, an index into the modes of its [`Formulation`](super::Formulation).
     pub mode: u32,
     /// Reason of the last mode change, an index into the formulation's reasons.
@@ -105,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_bound_from_above_leaves_braking_and_takes_the_torque_of_a_request_above_it() {
-        let engine = TorqueRequest { engine_torque_nm: 900.0, service_brake_n: 0.0, gear: None };
+        let engine = Demand { engine_torque_nm: 900.0, service_brake_n: 0.0, gear: None };
         let mut plan = Output { plan_len: 2, torque: Some(engine), ..Output::default() };
         plan.plan_mps2[..3].copy_from_slice(&[2.0, -3.0, 5.0]);
         let mut bounded = plan;

@@ -12,7 +12,7 @@ fn law(set: Weights, policy: SpacingPolicy, light: bool) -> PaperLaw {
     let config = Config { spacing_policy: policy, weights: set, ..Config::default() };
     config.check().expect("the test's configuration is valid");
     let solver = config.create_solver();
-    PaperLaw::new(&config, &set, light, solver).expect("a validated configuration is convex")
+    PaperLaw::new(&config, light, solver).expect("a validated configuration is convex")
 }
 
 /// A measured state beyond the buffer makes the paper's program infeasible; the law still answers.

@@ -70,6 +70,17 @@ pub struct Obstacle {
     pub standstill_m: f64,
 }
 
+/// Headway that a driver keeps to a stop line, s.
+const LINE_HEADWAY_S: f64 = 1.0;
+
+impl Obstacle {
+    /// A closed line, before which the driver stops at `standstill_m`.
+    pub fn line(gap_m: f64, standstill_m: f64) -> Self {
+        let (speed_mps, acceleration_mps2) = (0.0, 0.0);
+        Self { gap_m, speed_mps, acceleration_mps2, headway_s: LINE_HEADWAY_S, standstill_m }
+    }
+}
+
 impl Driver {
     /// Acceleration with nothing ahead, m/s².
     #[inline]

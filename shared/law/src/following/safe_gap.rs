@@ -30,15 +30,16 @@
 //! | `b_worst` | [`SafeGap::lead_deceleration_mps2`] | m/s² |
 //! | full braking | [`SafeGap::min_mps2`] | m/s² |
 
+use super::driver::Obstacle;
 use super::kinematics::{Lag, LagStep, Motion};
 use super::parameters::FOLLOWING;
 
 /// Step in which ego and lead are compared, s.
-const CHECK_S: f64 = 0.1;
+pub const CHECK_S: f64 = 0.1;
 /// Longest comparison, steps: well over the stop from 70 m/s.
 const CHECKS: usize = 250;
 /// Halvings of the interval of requests: to a thousandth of a m/s².
-const HALVINGS: usize = 13;
+pub const HALVINGS: usize = 13;
 /// Halvings of the interval of gentle braking: to a hundredth of a m/s².
 const GENTLE_HALVINGS: usize = 7;
 
@@ -66,6 +67,12 @@ impl LeadNow {
         self.gap_m + stops_m - min_gap_m
     }
 
+    /// The same for a driver who keeps a time headway and a gap at standstill to it.
+    pub fn obstacle(&self, headway_s: f64, standstill_m: f64) -> Obstacle {
+        let Self { gap_m, speed_mps, acceleration_mps2 } = *self;
+        Obstacle { gap_m, speed_mps, acceleration_mps2, headway_s, standstill_m }
+    }
+
     /// Its rear bumper after `time_s` of a constant deceleration.
     pub fn position_m(&self, deceleration_mps2: f64, time_s: f64) -> f64 {
         let v = self.speed_mps.max(0.0);
@@ -78,9 +85,10 @@ impl LeadNow {
 /// Vehicle and margin that the gap is kept safe against.
 #[derive(Clone, Copy, Debug)]
 pub struct SafeGap {
-    lag: Lag,
-    period: LagStep,
-    check: LagStep,
+    pub lag: Lag,
+    /// A control period, and a step of the comparison.
+    pub period: LagStep,
+    pub check: LagStep,
     /// Full braking, m/s² (negative).
     pub min_mps2: f64,
     /// Comfortable braking, m/s² (negative).
@@ -127,15 +135,8 @@ impl SafeGap {
         let least_m = (FOLLOWING.kept_share * lead.gap_m - self.min_gap_m).min(0.0);
         let is_enough =
             |braking: f64| self.margin_m(ego, 0.0, |_| -braking, lead, expected) >= least_m;
-        if !is_enough(FOLLOWING.gentle_mps2) {
-            return None;
-        }
-        let (mut low, mut high) = (0.0, FOLLOWING.gentle_mps2);
-        for _ in 0..GENTLE_HALVINGS {
-            let middle = 0.5 * (low + high);
-            if is_enough(middle) { high = middle } else { low = middle }
-        }
-        Some(high)
+        let gentle_mps2 = FOLLOWING.gentle_mps2;
+        is_enough(gentle_mps2).then(|| bisect(GENTLE_HALVINGS, gentle_mps2, 0.0, is_enough))
     }
 
     fn nearest(&self, request: f64, ego: Motion, lead: &LeadNow) -> f64 {
@@ -159,17 +160,12 @@ impl SafeGap {
     /// The largest request up to `u` that passes `test`; the smallest there is when none does.
     pub fn lower(&self, u: f64, test: impl Fn(f64) -> bool) -> f64 {
         if test(u) {
-            return u;
+            u
+        } else if test(self.min_mps2) {
+            bisect(HALVINGS, self.min_mps2, u, test)
+        } else {
+            self.min_mps2
         }
-        let (mut low, mut high) = (self.min_mps2, u);
-        if !test(low) {
-            return low;
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if test(middle) { low = middle } else { high = middle }
-        }
-        low
     }
 
     /// True if full braking after one period of `u` keeps the gap while the lead brakes with `deceleration` from now
@@ -243,6 +239,15 @@ impl SafeGap {
         let lead_m = 0.5 * speed_mps * speed_mps / self.lead_deceleration_mps2;
         self.min_gap_m + (own_m - lead_m).max(0.0)
     }
+}
+
+/// The value next to the limit of `test`, between one that passes and one that fails.
+pub fn bisect(halvings: usize, mut passes: f64, mut fails: f64, test: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..halvings {
+        let middle = 0.5 * (passes + fails);
+        if test(middle) { passes = middle } else { fails = middle }
+    }
+    passes
 }
 
 /// The deceleration that the vehicle ahead has now, with what it may still add, m/s².

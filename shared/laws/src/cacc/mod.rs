@@ -28,35 +28,39 @@ use law::settings::SettingError;
 use law::{Descriptor, Formulation, GapPolicy, Law, Reader};
 
 /// Model-predictive following.
-pub static ACC_MPC: Descriptor = Descriptor {
-    name: "acc-mpc",
-    description: "predictive following, blind to signals (He et al. 2024, baseline)",
-    source: SOURCE,
-    table: Some(TABLE),
-    formulations: FORMULATIONS,
-    formulation,
-    gap: GapPolicy::Scenario(desired_gap),
-    measured_target: false,
-    trucks_alone: false,
-    build: |reader| of(reader, Signals::Ignored),
-};
+pub static ACC_MPC: Descriptor = descriptor(
+    "acc-mpc",
+    "predictive following, blind to signals (He et al. 2024, baseline)",
+    |reader| of(reader, Signals::Ignored),
+);
 
 /// The same with signalised intersections.
-pub static CACC_MPC: Descriptor = Descriptor {
-    name: "cacc-mpc",
-    description: "predictive following through signalised intersections (He et al. 2024)",
-    source: SOURCE,
-    table: Some(TABLE),
-    formulations: FORMULATIONS,
-    formulation,
-    gap: GapPolicy::Scenario(desired_gap),
-    measured_target: false,
-    trucks_alone: false,
-    build: |reader| of(reader, Signals::Used),
-};
+pub static CACC_MPC: Descriptor = descriptor(
+    "cacc-mpc",
+    "predictive following through signalised intersections (He et al. 2024)",
+    |reader| of(reader, Signals::Used),
+);
 
-const SOURCE: &str = "He, Xi, Huang, Chen and Huang, 2024, doi 10.3969/j.issn.2095-1469.2024.06.06";
 const FORMULATIONS: &[&Formulation] = &[&road::FORMULATION, &paper::FORMULATION];
+
+const fn descriptor(
+    name: &'static str,
+    description: &'static str,
+    build: fn(&Reader<'_>) -> Result<Box<dyn Law>, Problem>,
+) -> Descriptor {
+    Descriptor {
+        name,
+        description,
+        source: "He, Xi, Huang, Chen and Huang, 2024, doi 10.3969/j.issn.2095-1469.2024.06.06",
+        table: Some(TABLE),
+        formulations: FORMULATIONS,
+        formulation,
+        gap: GapPolicy::Scenario(desired_gap),
+        measured_target: false,
+        trucks_alone: false,
+        build,
+    }
+}
 
 /// Reason why a law could not be built.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -80,7 +84,7 @@ pub fn build(signals: Signals, config: &Config) -> Result<Box<dyn Law + Send>, B
     if config.spacing_policy == SpacingPolicy::ConstantTimeHeadway {
         return Ok(Box::new(RoadLaw::new(config, uses_light, solver)?));
     }
-    Ok(Box::new(PaperLaw::new(config, &config.weights, uses_light, solver)?))
+    Ok(Box::new(PaperLaw::new(config, uses_light, solver)?))
 }
 
 fn formulation(controller: &Controller) -> &'static Formulation {

@@ -30,7 +30,7 @@
 //! | `T` | [`Config::step_s`] | s |
 //! | `tau` | [`Config::actuator_lag_s`] | s |
 //! | `t_h`, `d_b` | [`Config::time_headway_s`], [`Config::buffer_m`] | s, m |
-//! | `Q`, `R`, `w`, `d_th` | [`Weights`] | see there |
+//! | `Q`, `R`, `w`, `d_th` | [`Config::weights`] | see there |
 //! | `N` | [`Config::horizon_steps`] | 1 |
 //! | `R` (gap), `d_l`, `t_l` | [`law::Input`] | m, m, s |
 
@@ -42,7 +42,6 @@ use scenario::controller::{LightStages, SpacingPolicy};
 
 use super::config::Config;
 use super::plan::PlanMemory;
-use super::weights::Weights;
 use law::following::driver::Obstacle;
 use law::{Figure, Formulation, Input, Law, MAX_PLAN, Output, Phase, Quality, SignalAhead, Target};
 
@@ -114,7 +113,6 @@ impl PaperLaw {
     /// always does.
     pub fn new(
         config: &Config,
-        weights: &Weights,
         uses_light: bool,
         solver: Box<dyn Solver + Send>,
     ) -> Result<Self, ProblemError> {
@@ -123,9 +121,9 @@ impl PaperLaw {
             uses_light,
             solver,
             programs: [
-                problem(config, weights, Program::Lit)?,
-                problem(config, weights, Program::Follow)?,
-                problem(config, weights, Program::Softened)?,
+                problem(config, Program::Lit)?,
+                problem(config, Program::Follow)?,
+                problem(config, Program::Softened)?,
             ],
             state: State::new(config),
         })
@@ -331,8 +329,8 @@ fn light_stages(
     })
 }
 
-fn problem(config: &Config, weights: &Weights, program: Program) -> Result<Problem, ProblemError> {
-    let (n, t) = (config.horizon_steps, config.step_s);
+fn problem(config: &Config, program: Program) -> Result<Problem, ProblemError> {
+    let (n, t, weights) = (config.horizon_steps, config.step_s, &config.weights);
     let c = t / config.actuator_lag_s;
     let q =
         [weights.gap_error_per_m2, weights.speed_error_s2_per_m2, weights.acceleration_s4_per_m2];

@@ -16,6 +16,7 @@
 //! The blend of the rules is covered too. B, C and D are common, so z+ is the same blend of the rules' results, and V
 //! is convex. Within the ellipsoid |c z| <= sqrt(c P^-1 c'), which bounds every index.
 
+use super::design::Design;
 use super::error::{Condition, Failure};
 use super::model::{DISTURBANCES, Parameters, RULES, STATES, State, StateMatrix};
 use nalgebra::{SMatrix, SVector};
@@ -79,19 +80,8 @@ pub struct Gains {
     pub fy: State,
 }
 
-/// Part of a verified design that the law uses.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Verified {
-    pub(super) p: ClosedMatrix,
-    /// xc = reset x minimises V over xc (it is U' X^-1).
-    pub(super) reset: StateMatrix,
-    /// X^-1, the Schur complement of P: V with the best xc is x' X^-1 x.
-    pub(super) x_inverse: StateMatrix,
-    pub(super) rules: [Gains; RULES],
-}
-
 /// Checks every condition; the first that fails is the error.
-pub(super) fn verify(content: &Content) -> Result<Verified, Failure> {
+pub(super) fn verify(content: Content) -> Result<Design, Failure> {
     let parameters = &content.parameters;
     let fail = |condition, rule: Option<usize>, value: f64, bound: f64| {
         Err(Failure { condition, rule: rule.map(|i| i + 1), value, bound })
@@ -121,7 +111,7 @@ pub(super) fn verify(content: &Content) -> Result<Verified, Failure> {
     let rules = [0, 1].map(|i| gains(&content.rules[i]));
     for (i, rho) in parameters.rule_derivatives_s().into_iter().enumerate() {
         let (phi, g) = closed_loop(parameters, rho, &rules[i]);
-        let margin = invariance_margin(content, &p, &phi, &g);
+        let margin = invariance_margin(&content, &p, &phi, &g);
         if margin.is_nan() || margin <= LEAST_PIVOT {
             return fail(Condition::Invariance, Some(i), margin, LEAST_PIVOT);
         }
@@ -155,7 +145,7 @@ pub(super) fn verify(content: &Content) -> Result<Verified, Failure> {
             return fail(Condition::StartSet, None, v, 1.0);
         }
     }
-    Ok(Verified { p, reset, x_inverse, rules })
+    Ok(Design { content, p, reset, x_inverse, rules })
 }
 
 /// Phi_i and G_i.

@@ -1,6 +1,6 @@
 //! A design as a data file, and its verification on loading.
 
-use super::certificate::{self, ClosedMatrix, ClosedState, Content, Gains, Verified};
+use super::certificate::{self, ClosedMatrix, ClosedState, Content, Gains};
 use super::error::{DesignError, FORMAT, LARGEST};
 use super::model::{Parameters, RULES, StateMatrix};
 use serde::{Deserialize, Serialize};
@@ -22,8 +22,13 @@ struct File {
 /// A design whose certificate has been verified: there is no other way to have one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
-    content: Content,
-    verified: Verified,
+    pub(super) content: Content,
+    pub(super) p: ClosedMatrix,
+    /// xc = reset x minimises V over xc (it is U' X^-1).
+    pub(super) reset: StateMatrix,
+    /// X^-1, the Schur complement of P: V with the best xc is x' X^-1 x.
+    pub(super) x_inverse: StateMatrix,
+    pub(super) rules: [Gains; RULES],
 }
 
 impl Design {
@@ -70,8 +75,7 @@ impl Design {
     /// A parameter outside its range, or the condition and the rule that the numbers fail.
     pub fn verify(content: Content) -> Result<Self, DesignError> {
         content.parameters.check().map_err(DesignError::Parameter)?;
-        let verified = certificate::verify(&content).map_err(DesignError::Condition)?;
-        Ok(Self { content, verified })
+        certificate::verify(content).map_err(DesignError::Condition)
     }
 
     /// The file's text, which [`Design::load`] reads back to an equal design.
@@ -96,31 +100,31 @@ impl Design {
     /// Gains of each rule.
     #[must_use]
     pub fn rules(&self) -> &[Gains; RULES] {
-        &self.verified.rules
+        &self.rules
     }
 
     /// P of the ellipsoid V = z' P z <= 1, z = [x; xc].
     #[must_use]
     pub fn p(&self) -> &ClosedMatrix {
-        &self.verified.p
+        &self.p
     }
 
     /// The matrix of the best controller state: xc = reset x makes V least.
     #[must_use]
     pub fn reset(&self) -> &StateMatrix {
-        &self.verified.reset
+        &self.reset
     }
 
     /// X^-1: V = x' X^-1 x just after a reset.
     #[must_use]
     pub fn x_inverse(&self) -> &StateMatrix {
-        &self.verified.x_inverse
+        &self.x_inverse
     }
 
     /// V = z' P z.
     #[must_use]
     pub fn lyapunov(&self, z: &ClosedState) -> f64 {
-        (z.transpose() * self.verified.p * z)[(0, 0)]
+        (z.transpose() * self.p * z)[(0, 0)]
     }
 }
 

@@ -11,7 +11,7 @@
 //! it has held for a second with a margin. Its controller state is reset.
 
 use super::model::Parameters;
-use law::following::driver::{Driver, Obstacle};
+use law::following::driver::Driver;
 use law::following::kinematics::{Lag, Motion};
 use law::following::safe_gap::{LeadNow, SafeGap};
 use law::following::soft_stop::{Room, soften, within_set_speed};
@@ -96,13 +96,8 @@ pub(super) fn fall_back_mps2(
         let free = driver.free_mps2(ego.speed_mps, desired_mps);
         return soften(within_set_speed(free, desired_mps), ego, p.actuator_lag_s, Room::FREE);
     };
-    let obstacle = Obstacle {
-        gap_m: lead.gap_m,
-        speed_mps: lead.speed_mps,
-        acceleration_mps2: lead.acceleration_mps2,
-        headway_s: p.gap_slope_s + p.gap_curvature_s2pm * ego.speed_mps,
-        standstill_m: p.gap_constant_m,
-    };
+    let headway_s = p.gap_slope_s + p.gap_curvature_s2pm * ego.speed_mps;
+    let obstacle = lead.obstacle(headway_s, p.gap_constant_m);
     let wanted = driver.follow_mps2(ego.speed_mps, desired_mps, &obstacle);
     let lag = Lag { tau_s: p.actuator_lag_s };
     let bounds = (-braking_mps2.0, -COMFORT_MPS2.1);

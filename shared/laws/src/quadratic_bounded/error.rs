@@ -8,53 +8,40 @@ pub(super) const LARGEST: usize = 64 * 1024;
 /// Claims of the file.
 pub(super) const FORMAT: &str = "timegap quadratic-bounded design 1";
 
-/// The conditions of a certificate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The conditions of a certificate, in the words of its errors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[expect(missing_docs, reason = "the words describe them")]
 pub enum Condition {
-    /// P is symmetric.
+    #[error("P is symmetric")]
     Symmetric,
-    /// 0 < alpha < 1, a_j > 0, sum a_j <= alpha.
+    #[error("multipliers are positive and sum to at most alpha < 1")]
     Multipliers,
-    /// P > 0.
+    #[error("P is positive definite")]
     PositiveDefinite,
-    /// The ellipsoid cannot be left.
+    #[error("the ellipsoid is invariant (quadratic boundedness)")]
     Invariance,
-    /// |Dd'| within its bound.
+    #[error("gap error rate within its bound")]
     GapErrorRate,
-    /// |Du| within its bound.
+    #[error("increment within its bound")]
     Increment,
-    /// |Dd| within its bound.
+    #[error("gap error within its bound")]
     GapError,
-    /// |Dv| within its bound.
+    #[error("speed error within its bound")]
     SpeedError,
-    /// |a| within its bound.
+    #[error("acceleration within its bound")]
     Acceleration,
-    /// |u| within its bound.
+    #[error("request within its bound")]
     Request,
-    /// The start states are in the ellipsoid.
+    #[error("start states inside the ellipsoid")]
     StartSet,
 }
 
-impl Condition {
-    fn text(self) -> &'static str {
-        match self {
-            Self::Symmetric => "P is symmetric",
-            Self::Multipliers => "multipliers are positive and sum to at most alpha < 1",
-            Self::PositiveDefinite => "P is positive definite",
-            Self::Invariance => "the ellipsoid is invariant (quadratic boundedness)",
-            Self::GapErrorRate => "gap error rate within its bound",
-            Self::Increment => "increment within its bound",
-            Self::GapError => "gap error within its bound",
-            Self::SpeedError => "speed error within its bound",
-            Self::Acceleration => "acceleration within its bound",
-            Self::Request => "request within its bound",
-            Self::StartSet => "start states inside the ellipsoid",
-        }
-    }
-}
-
 /// A condition that does not hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error(
+    "condition not met: {condition}{} (found {value:.6e}, limit {bound:.6e})",
+    rule.map_or_else(String::new, |rule| format!(", rule {rule}"))
+)]
 pub struct Failure {
     /// Condition.
     pub condition: Condition,
@@ -65,18 +52,6 @@ pub struct Failure {
     /// Limit for it.
     pub bound: f64,
 }
-
-impl std::fmt::Display for Failure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "condition not met: {}", self.condition.text())?;
-        if let Some(rule) = self.rule {
-            write!(f, ", rule {rule}")?;
-        }
-        write!(f, " (found {:.6e}, limit {:.6e})", self.value, self.bound)
-    }
-}
-
-impl std::error::Error for Failure {}
 
 /// Reason why a file is not a usable design.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -1,14 +1,12 @@
 //! The law: increments, virtual lead, the smaller of two, and the envelope.
 
-use super::certificate::{ClosedMatrix, ClosedState, extended};
+use super::certificate::{ClosedState, extended};
 use super::design::Design;
 use super::envelope::{self, Envelope};
-use super::model::{State, StateMatrix};
+use super::model::State;
 use super::printed;
 use super::settings::{GainSource, Settings};
 use crate::checked::Checked;
-use law::following::kinematics::Motion;
-use law::following::safe_gap::LeadNow;
 use law::settings::{self, SettingError};
 use law::{Ego, Input, Law, Output, Quality, Target};
 use nalgebra::{SMatrix, SVector};
@@ -59,6 +57,12 @@ impl Candidate {
 pub struct QuadraticBounded {
     design: Design,
     settings: Settings,
+    memory: Memory,
+}
+
+/// All state that `reset` clears.
+#[derive(Clone, Debug, Default)]
+struct Memory {
     /// Lead of the last update; `None` before the first and after unusable input.
     mode: Option<Mode>,
     reason: Reason,
@@ -82,19 +86,7 @@ impl QuadraticBounded {
     /// The setting that is not usable.
     pub fn new(design: Design, settings: Settings) -> Result<Self, SettingError> {
         settings::Settings::check(&settings)?;
-        Ok(Self {
-            design,
-            settings,
-            mode: None,
-            reason: Reason::None,
-            xc: State::zeros(),
-            request: 0.0,
-            started: false,
-            envelope: Envelope::default(),
-            wait_s: 0.0,
-            quality: Quality::Full,
-            figures: [0.0; 8],
-        })
+        Ok(Self { design, settings, memory: Memory::default() })
     }
 
     /// The design behind the law.
@@ -106,7 +98,7 @@ impl QuadraticBounded {
     /// Lead of the last update.
     #[must_use]
     pub fn mode(&self) -> Option<Mode> {
-        self.mode
+        self.memory.mode
     }
 
     /// One sample of the increment law.
@@ -114,18 +106,19 @@ impl QuadraticBounded {
         let p = self.design.parameters();
         let Checked { ego, target, set_speed_mps, .. } = *input;
         let (speed, acceleration) = (ego.speed_mps, ego.acceleration_mps2);
-        if !self.started {
-            self.started = true;
-            self.request = acceleration.clamp(-p.request_bound_mps2, p.request_bound_mps2);
+        if !self.memory.started {
+            self.memory.started = true;
+            self.memory.request = acceleration.clamp(-p.request_bound_mps2, p.request_bound_mps2);
         }
         let desired = p.desired_gap_m(speed);
-        let virtual_lead = State::new(0.0, set_speed_mps - speed, acceleration, self.request);
+        let virtual_lead =
+            State::new(0.0, set_speed_mps - speed, acceleration, self.memory.request);
         let cruise = self.cruise(virtual_lead, speed);
         let followed = target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
         let follow = followed.map(|t| {
             let error_m = t.gap_m - desired;
             self.follow(
-                State::new(error_m, t.relative_speed_mps, acceleration, self.request),
+                State::new(error_m, t.relative_speed_mps, acceleration, self.memory.request),
                 speed,
             )
         });
@@ -143,30 +136,30 @@ impl QuadraticBounded {
             lead_mps2: followed.map_or(0.0, |t| t.acceleration_mps2),
         };
         let p = self.design.parameters();
-        if self.envelope.is_left(p, &state, p.sample_time_s) {
+        if self.memory.envelope.is_left(p, &state, p.sample_time_s) {
             self.fall_back(input, excess);
             return;
         }
-        if self.mode != Some(mode) {
-            self.mode = Some(mode);
-            self.reason = reason;
+        if self.memory.mode != Some(mode) {
+            self.memory.mode = Some(mode);
+            self.memory.reason = reason;
         }
         let bound = p.increment_bound_mps2;
-        let request = (self.request + chosen.increment.clamp(-bound, bound))
+        let request = (self.memory.request + chosen.increment.clamp(-bound, bound))
             .clamp(-p.request_bound_mps2, p.request_bound_mps2);
-        let increment = request - self.request;
-        self.request = request;
+        let increment = request - self.memory.request;
+        self.memory.request = request;
         if !self.is_printed() {
-            self.xc = self.next_controller_state(&chosen.z, speed);
+            self.memory.xc = self.next_controller_state(&chosen.z, speed);
         }
-        self.quality = if excess > 1.0 || too_slow || self.is_printed() {
+        self.memory.quality = if excess > 1.0 || too_slow || self.is_printed() {
             Quality::Relaxed
         } else {
             Quality::Full
         };
         let true_gap_error = target.map_or(0.0, |t| t.gap_m - desired);
         let rate = chosen.z[1] - p.gap_derivative_s(speed) * acceleration;
-        self.figures = [
+        self.memory.figures = [
             excess,
             true_gap_error,
             chosen.z[0],
@@ -192,7 +185,7 @@ impl QuadraticBounded {
                 2];
         }
         let x = State::from_fn(|i, _| z[i]);
-        let after_reset = (x.transpose() * self.design.x_inverse() * x)[(0, 0)];
+        let after_reset = (x.transpose() * self.design.x_inverse * x)[(0, 0)];
         [self.design.lyapunov(z), after_reset]
     }
 
@@ -201,29 +194,25 @@ impl QuadraticBounded {
         let p = self.design.parameters();
         let Checked { ego: Ego { speed_mps, acceleration_mps2, .. }, set_speed_mps, .. } = *input;
         let braking_mps2 = self.settings.fall_back_braking_mps2;
-        let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2 };
+        let ego = input.ego.motion();
         let target = input.target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
-        let lead = target.map(|t| LeadNow {
-            gap_m: t.gap_m,
-            speed_mps: (speed_mps + t.relative_speed_mps).max(0.0),
-            acceleration_mps2: t.acceleration_mps2,
-        });
+        let lead = target.map(|target| target.lead(speed_mps));
         let hardest = (braking_mps2, self.settings.lead_deceleration_mps2);
         let request = envelope::fall_back_mps2(p, hardest, ego, lead.as_ref(), set_speed_mps);
         let request = request.clamp(-braking_mps2, p.request_bound_mps2);
-        if self.mode != Some(Mode::FallBack) {
-            self.mode = Some(Mode::FallBack);
-            self.reason = Reason::OutsideCertifiedRange;
+        if self.memory.mode != Some(Mode::FallBack) {
+            self.memory.mode = Some(Mode::FallBack);
+            self.memory.reason = Reason::OutsideCertifiedRange;
         }
-        let increment = request - self.request;
-        self.request = request;
-        self.quality = Quality::FallBack;
+        let increment = request - self.memory.request;
+        self.memory.request = request;
+        self.memory.quality = Quality::FallBack;
         let gap_error_m = target.map_or(0.0, |t| t.gap_m - p.desired_gap_m(speed_mps));
         let speed_error_mps = target.map_or(0.0, |t| t.relative_speed_mps);
         let rate_mps = speed_error_mps - p.gap_derivative_s(speed_mps) * acceleration_mps2;
         let shown = [excess, gap_error_m, gap_error_m, speed_error_mps, rate_mps, increment];
-        self.figures = [0.0; 8];
-        self.figures[..6].copy_from_slice(&shown);
+        self.memory.figures = [0.0; 8];
+        self.memory.figures[..6].copy_from_slice(&shown);
     }
 
     /// The virtual lead: no gap error, and a speed that keeps V within its limit.
@@ -249,7 +238,8 @@ impl QuadraticBounded {
     }
 
     fn candidate(&self, mode: Mode, x: &State, speed: f64) -> Candidate {
-        let xc = if self.mode == Some(mode) { self.xc } else { self.design.reset() * x };
+        let xc =
+            if self.memory.mode == Some(mode) { self.memory.xc } else { self.design.reset * x };
         let blend = self.design.parameters().memberships(speed);
         let rules = self.design.rules();
         let increment =
@@ -261,12 +251,10 @@ impl QuadraticBounded {
     /// with the least V where there are none.
     fn admissible(&self, mode: Mode, x: &State, index: usize) -> (f64, f64) {
         let limit = self.settings.envelope_limit;
-        if self.mode == Some(mode) {
-            let p: &ClosedMatrix = self.design.p();
-            interval(p, &extended(x, &self.xc), index, limit)
+        if self.memory.mode == Some(mode) {
+            interval(&self.design.p, &extended(x, &self.memory.xc), index, limit)
         } else {
-            let x_inverse: &StateMatrix = self.design.x_inverse();
-            interval(x_inverse, x, index, limit)
+            interval(&self.design.x_inverse, x, index, limit)
         }
     }
 
@@ -284,12 +272,13 @@ impl QuadraticBounded {
     /// next usable input starts from a reset controller state.
     fn blind(&mut self) {
         let step = self.design.parameters().increment_bound_mps2;
-        self.request = BLIND_REQUEST.min(self.request).max(self.request - step);
-        self.mode = None;
-        self.started = true;
-        self.wait_s = 0.0;
-        self.quality = Quality::Backup;
-        self.figures = [0.0; 8];
+        self.memory.request =
+            BLIND_REQUEST.min(self.memory.request).max(self.memory.request - step);
+        self.memory.mode = None;
+        self.memory.started = true;
+        self.memory.wait_s = 0.0;
+        self.memory.quality = Quality::Backup;
+        self.memory.figures = [0.0; 8];
     }
 }
 
@@ -311,15 +300,7 @@ fn interval<const N: usize>(
 
 impl Law for QuadraticBounded {
     fn reset(&mut self) {
-        self.mode = None;
-        self.reason = Reason::None;
-        self.xc = State::zeros();
-        self.request = 0.0;
-        self.started = false;
-        self.envelope = Envelope::default();
-        self.wait_s = 0.0;
-        self.quality = Quality::Full;
-        self.figures = [0.0; 8];
+        self.memory = Memory::default();
     }
 
     fn step(&mut self, input: &Input, output: &mut Output) {
@@ -330,20 +311,20 @@ impl Law for QuadraticBounded {
         match Checked::of(input).filter(|checked| checked.target.is_none_or(is_one)) {
             None => self.blind(),
             Some(checked) => {
-                if self.wait_s <= EARLY * sample_time {
+                if self.memory.wait_s <= EARLY * sample_time {
                     let too_slow = input.period_s > sample_time * (1.0 + EARLY);
                     self.update(&checked, too_slow);
                     // A late update does not shift the next; a lost one is not made up for.
-                    self.wait_s = (self.wait_s + sample_time).max(0.0);
+                    self.memory.wait_s = (self.memory.wait_s + sample_time).max(0.0);
                 }
-                self.wait_s -= input.period_s;
+                self.memory.wait_s -= input.period_s;
             }
         }
-        output.set_request(self.request);
-        output.quality = self.quality;
-        output.figures = self.figures;
-        output.mode = self.mode.map_or(0, |mode| mode as u32);
-        output.mode_reason = self.reason as u32;
+        output.set_request(self.memory.request);
+        output.quality = self.memory.quality;
+        output.figures = self.memory.figures;
+        output.mode = self.memory.mode.map_or(0, |mode| mode as u32);
+        output.mode_reason = self.memory.reason as u32;
     }
 
     fn request_bounds_mps2(&self) -> (f64, f64) {

@@ -110,24 +110,13 @@ impl Parameters {
     pub fn transition(&self, rho: f64) -> StateMatrix {
         let ts = self.sample_time_s;
         let share = ts / self.actuator_lag_s;
-        StateMatrix::new(
-            1.0,
-            ts,
-            -ts * rho,
-            0.0, //
-            0.0,
-            1.0,
-            -ts,
-            0.0, //
-            0.0,
-            0.0,
-            1.0 - share,
-            share, //
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-        )
+        let rows = [
+            [1.0, ts, -ts * rho, 0.0],
+            [0.0, 1.0, -ts, 0.0],
+            [0.0, 0.0, 1.0 - share, share],
+            [0.0, 0.0, 0.0, 1.0],
+        ];
+        StateMatrix::from_fn(|i, j| rows[i][j])
     }
 
     /// B: effect of the increment.

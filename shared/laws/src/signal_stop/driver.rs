@@ -19,8 +19,6 @@ pub static FORMULATION: Formulation = Formulation {
     ],
 };
 
-/// Headway that the driver keeps to a stop line, s.
-const LINE_HEADWAY_S: f64 = 1.0;
 /// Room that a soft stop leaves to the line, m.
 const LINE_ROOM_M: f64 = 0.3;
 /// Below this speed a vehicle at a closed line waits, m/s.
@@ -111,18 +109,8 @@ impl StoppingLaw {
 
     /// The request in front of a closed line.
     fn stop_mps2(&self, input: &Input, line_m: f64, follow_mps2: f64) -> f64 {
-        let ego = Motion {
-            position_m: 0.0,
-            speed_mps: input.ego.speed_mps.max(0.0),
-            acceleration_mps2: input.ego.acceleration_mps2,
-        };
-        let line = Obstacle {
-            gap_m: line_m,
-            speed_mps: 0.0,
-            acceleration_mps2: 0.0,
-            headway_s: LINE_HEADWAY_S,
-            standstill_m: self.settings.stop_margin_m,
-        };
+        let ego = Motion { speed_mps: input.ego.speed_mps.max(0.0), ..input.ego.motion() };
+        let line = Obstacle::line(line_m, self.settings.stop_margin_m);
         let desired_mps = input.wanted_speed_mps();
         let mut request = self.driver.follow_mps2(ego.speed_mps, desired_mps, &line);
         request = request.min(follow_mps2);

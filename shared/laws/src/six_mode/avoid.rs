@@ -64,11 +64,8 @@ impl<'a> Behind<'a> {
             speed_mps: (s.speed_mps + s.relative_mps).max(0.0),
             acceleration_mps2: if target_mps2.is_finite() { target_mps2 } else { 0.0 },
         };
-        let own = Motion {
-            position_m: 0.0,
-            speed_mps: ego.speed_mps,
-            acceleration_mps2: ego.acceleration_mps2.clamp(-p.braking_mps2, p.acceleration_mps2),
-        };
+        let acceleration_mps2 = ego.acceleration_mps2.clamp(-p.braking_mps2, p.acceleration_mps2);
+        let own = Motion { acceleration_mps2, ..ego.motion() };
         Self { p, lead, own, period_s }
     }
 

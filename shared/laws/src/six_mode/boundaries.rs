@@ -1,6 +1,6 @@
 //! The four distances that divide the plane of gap and relative speed.
 
-use super::parameters::{Parameters, Spacing};
+use super::parameters::{Parameters, Spacing, Variant};
 
 /// Closing speed per metre of gap beyond the one that is kept, 1/s, and its bounds, m/s.
 const CLOSING_PER_S: f64 = 0.1;
@@ -20,6 +20,15 @@ pub struct Boundaries {
 }
 
 impl Boundaries {
+    /// The boundaries of the variant that is set.
+    #[must_use]
+    pub fn of(p: &Parameters, speed: f64, relative: f64) -> Self {
+        match p.variant {
+            Variant::Literal => Self::literal(p, speed, relative),
+            Variant::Robust => Self::robust(p, speed, relative),
+        }
+    }
+
     /// The paper's boundaries, corrected only where the print is impossible.
     ///
     /// `speed` is V_h and `relative` is V_r = V_p - V_h, m/s.
@@ -51,9 +60,7 @@ impl Boundaries {
         };
         Self { desired_m, warning_m, braking_m, following_m }
     }
-}
 
-impl Boundaries {
     /// The closing speed at which the gap beyond R_w is used up, m/s; negative below it.
     #[must_use]
     pub(super) fn closing_mps(&self, p: &Parameters, gap_m: f64) -> f64 {

@@ -49,29 +49,6 @@ pub const LEVELS_MPS2: [f64; PARTS] = [-0.5, -0.75, -1.25, -1.75, -2.25, -2.75, 
 /// Parts of region 1.
 const METASTABLE_PARTS: usize = 2;
 
-/// A region of figure 3.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Region {
-    /// Region 1: parts 0 and 1.
-    Metastable,
-    /// Region 2: parts 2, 3 and 4.
-    Weak,
-    /// Region 3: parts 5, 6 and 7.
-    Strong,
-}
-
-impl Region {
-    /// The region of a part.
-    #[must_use]
-    pub const fn of_part(part: usize) -> Self {
-        match part {
-            0 | 1 => Self::Metastable,
-            2..=4 => Self::Weak,
-            _ => Self::Strong,
-        }
-    }
-}
-
 /// The level of a situation between R_b and R_w, m/s².
 #[must_use]
 pub(super) fn level_mps2(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
@@ -143,6 +120,28 @@ mod tests {
     use proptest::prelude::*;
 
     const SPEED_MPS: f64 = 20.0;
+
+    /// A region of figure 3.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    enum Region {
+        /// Region 1: parts 0 and 1.
+        Metastable,
+        /// Region 2: parts 2, 3 and 4.
+        Weak,
+        /// Region 3: parts 5, 6 and 7.
+        Strong,
+    }
+
+    impl Region {
+        /// The region of a part.
+        const fn of_part(part: usize) -> Self {
+            match part {
+                0 | 1 => Self::Metastable,
+                2..=4 => Self::Weak,
+                _ => Self::Strong,
+            }
+        }
+    }
 
     fn seen(gap_m: f64, relative_mps: f64) -> (Situation, Boundaries) {
         let b = Boundaries::literal(&Parameters::literal(), SPEED_MPS, relative_mps);

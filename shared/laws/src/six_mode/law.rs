@@ -8,7 +8,6 @@ use super::modes::{self, Mode, Reason, Situation};
 use super::parameters::{Parameters, Spacing, Variant};
 use super::requests;
 use crate::checked::Checked;
-use law::following::kinematics::Motion;
 use law::following::soft_stop::{Room, soften, within_set_speed};
 use law::settings::{SettingError, Settings as _};
 use law::{Ego, Figure, Formulation, Input, Law, Output, Quality};
@@ -202,10 +201,8 @@ impl SixMode {
         if !self.has_graded_braking() {
             return demand;
         }
-        let (speed_mps, acceleration_mps2) = (ego.speed_mps, ego.acceleration_mps2);
-        let motion = Motion { position_m: 0.0, speed_mps, acceleration_mps2 };
         let room = seen.map_or(Room::FREE, |s| self.room(&s));
-        soften(demand, motion, LAG_S, room)
+        soften(demand, ego.motion(), LAG_S, room)
     }
 
     /// The way to where the target stands if it brakes as hard as the ego can.
@@ -237,12 +234,7 @@ impl Law for SixMode {
             let seen = self.observe(&input);
             let seen = seen.map(|s| {
                 let p = &self.parameters;
-                let b = if self.robust() {
-                    Boundaries::robust(p, s.speed_mps, s.relative_mps)
-                } else {
-                    Boundaries::literal(p, s.speed_mps, s.relative_mps)
-                };
-                (s, b)
+                (s, Boundaries::of(p, s.speed_mps, s.relative_mps))
             });
             let cruise =
                 requests::cruise(&self.parameters, input.set_speed_mps, input.ego.speed_mps);
@@ -274,8 +266,8 @@ impl Law for SixMode {
         } else {
             self.blind(output);
         }
-        output.mode = self.mode.unwrap_or(Mode::Cruise).index();
-        output.mode_reason = self.reason.index();
+        output.mode = self.mode.unwrap_or(Mode::Cruise) as u32;
+        output.mode_reason = self.reason as u32;
     }
 
     fn request_bounds_mps2(&self) -> (f64, f64) {

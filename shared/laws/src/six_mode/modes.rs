@@ -21,15 +21,9 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Names in the order of [`Mode::index`].
+    /// Names, in the order of the paper's numbers.
     pub const NAMES: &[&str] =
         &["cruise", "approach", "steady", "decelerate", "avoid", "accelerate"];
-
-    /// Index into [`Mode::NAMES`]: the paper's number less one.
-    #[must_use]
-    pub fn index(self) -> u32 {
-        self as u32
-    }
 }
 
 /// Reason why the law is in its mode: what was true when it entered it.
@@ -55,7 +49,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Names in the order of [`Reason::index`].
+    /// Names, in the order of the reasons.
     pub const NAMES: &[&str] = &[
         "none",
         "no target in range",
@@ -66,12 +60,6 @@ impl Reason {
         "speeds matched",
         "target brakes hard",
     ];
-
-    /// Index into [`Reason::NAMES`].
-    #[must_use]
-    pub fn index(self) -> u32 {
-        self as u32
-    }
 }
 
 /// Knowledge of the target at one release.

@@ -2,7 +2,7 @@
 //! (18)), and the brakes as the last resort.
 
 use super::settings::{FollowKeys, GapKeys};
-use super::target_filter::Estimate;
+use law::Target;
 
 // Constants of this page are inferred, as the law behind a target is. Those without a reason changed none of the figures
 // in `settings` at half and double.
@@ -68,7 +68,7 @@ impl Spacing {
 
     /// Mode (16) after `before`.
     #[must_use]
-    pub fn mode(&self, keys: &GapKeys, target: &Estimate, before: Mode) -> Mode {
+    pub fn mode(&self, keys: &GapKeys, target: &Target, before: Mode) -> Mode {
         let relative_mps = target.relative_speed_mps;
         let room_m = (target.gap_m - self.desired_m).max(0.1);
         let risk =
@@ -113,7 +113,7 @@ pub(crate) fn acceleration_mps2(
     speed_mps: f64,
     aim_mps: f64,
     spacing: &Spacing,
-    target: &Estimate,
+    target: &Target,
 ) -> f64 {
     match mode {
         Mode::Predictive => {
@@ -146,7 +146,7 @@ pub(crate) fn acceleration_mps2(
 ///
 /// Behind a braking lead the truck must come to rest behind the lead's own stop. Behind a slower lead it must lose the
 /// difference before the headway falls to a second.
-pub(crate) fn needed_deceleration_mps2(speed_mps: f64, target: &Estimate) -> f64 {
+pub(crate) fn needed_deceleration_mps2(speed_mps: f64, target: &Target) -> f64 {
     let lead_mps = (speed_mps + target.relative_speed_mps).max(0.0);
     let closing_mps = (-target.relative_speed_mps).max(0.0);
     let room_m = (target.gap_m - LEFT_M - LEFT_S * lead_mps).max(1.0);
@@ -184,7 +184,7 @@ impl LastResort {
         mode: Mode,
         speed_mps: f64,
         spacing: &Spacing,
-        target: &Estimate,
+        target: &Target,
     ) -> Means {
         let needed_mps2 = needed_deceleration_mps2(speed_mps, target);
         let (from_mps2, to_mps2) = (keys.brake_from_mps2, BRAKE_TO_MPS2);
@@ -220,7 +220,7 @@ mod tests {
     fn modes_follow_the_gap_with_hysteresis() {
         let keys = &GapKeys::default();
         let spacing = Spacing::new(keys, 20.0, 20.0, 0.0);
-        let at = |gap_m, relative_speed_mps| Estimate {
+        let at = |gap_m, relative_speed_mps| Target {
             gap_m,
             relative_speed_mps,
             acceleration_mps2: 0.0,

@@ -15,7 +15,7 @@ use super::bounds::{believable, guarded_nm, max_speed_mps, permitted, powertrain
 use super::create;
 use super::following::{self, JERKS_MPS3, LastResort, Means, Mode, Spacing};
 use super::settings::{Keys, PlannerKind, REQUESTS_MPS2, Settings};
-use super::target_filter::{Estimate, TargetFilter};
+use super::target_filter::TargetFilter;
 use super::time_price::{Reference, Speeds, TimePrice};
 use super::torque::{SpeedKeeper, limited};
 use super::tracking::{MapTrust, Tracking};
@@ -25,7 +25,7 @@ use super::{
 };
 use law::{
     Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview,
-    Quality, TorqueRequest,
+    Quality, Target,
 };
 use truck_model::Demand;
 
@@ -102,7 +102,7 @@ impl Predictive {
     }
 
     /// Gaps and mode behind the target.
-    fn look_at(&mut self, input: &Input, target: &Estimate) -> Spacing {
+    fn look_at(&mut self, input: &Input, target: &Target) -> Spacing {
         let speed_mps = input.ego.speed_mps;
         let target_mps = (speed_mps + target.relative_speed_mps).max(0.0);
         let from_m = input.ego.position_m + target.gap_m.max(0.0);
@@ -121,7 +121,7 @@ impl Predictive {
         &mut self,
         input: &Input,
         powertrain: &Powertrain,
-        target: &Estimate,
+        target: &Target,
         economic_mps: f64,
     ) -> Option<Demand> {
         let spacing = self.look_at(input, target);
@@ -172,11 +172,7 @@ impl Predictive {
         let (low, high) = REQUESTS_MPS2;
         let bounded = |mps2: f64| mps2.clamp(low, high);
         output.set_request(bounded(force_n / truck.inertial_mass_kg()));
-        output.torque = Some(TorqueRequest {
-            engine_torque_nm: demand.engine_torque_nm,
-            service_brake_n: demand.service_brake_n,
-            gear: demand.gear,
-        });
+        output.torque = Some(*demand);
         if self.state.mode != PREDICTIVE_MODE {
             return;
         }

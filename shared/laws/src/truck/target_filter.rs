@@ -15,17 +15,6 @@ const INITIAL: [f64; 3] = [1.0, 0.25, 0.25];
 /// Measurements in a row outside the gate that restart the filter.
 const LOST: u32 = 3;
 
-/// The target as the filter sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// Gap d, m.
-    pub gap_m: f64,
-    /// Relative speed dv, target minus ego, m/s.
-    pub relative_speed_mps: f64,
-    /// Acceleration of the target, m/s².
-    pub acceleration_mps2: f64,
-}
-
 /// The filter.
 #[derive(Clone, Debug, Default)]
 pub struct TargetFilter {
@@ -48,12 +37,7 @@ impl TargetFilter {
     }
 
     /// Takes in what the radar shows after `dt_s` in which the ego accelerated by `ego_mps2`.
-    pub fn update(
-        &mut self,
-        target: Option<&Target>,
-        ego_mps2: f64,
-        dt_s: f64,
-    ) -> Option<Estimate> {
+    pub fn update(&mut self, target: Option<&Target>, ego_mps2: f64, dt_s: f64) -> Option<Target> {
         let Some(target) = target else {
             self.track = None;
             return None;
@@ -78,7 +62,7 @@ impl TargetFilter {
         }
         self.track.as_ref().map(|track| {
             let [gap_m, relative_speed_mps, acceleration_mps2] = track.state.mean;
-            Estimate { gap_m, relative_speed_mps, acceleration_mps2 }
+            Target { gap_m, relative_speed_mps, acceleration_mps2, ..*target }
         })
     }
 }

@@ -165,20 +165,20 @@ fn run(seed: u64, p: &Parameters, tally: &mut Tally) {
             if let Some((mode, before)) = previous {
                 let rate = (request - before) / period;
                 let limit = 1e-9
-                    + if out.mode == Mode::Avoid.index() {
+                    + if out.mode == Mode::Avoid as u32 {
                         p.emergency_jerk_limit_mps3
                     } else {
                         p.jerk_limit_mps3
                     };
                 assert!(rate >= -limit, "seed {seed} at {:.1}: jerk {rate}", world.time);
                 assert!(
-                    rate <= limit || out.mode == Mode::Avoid.index(),
+                    rate <= limit || out.mode == Mode::Avoid as u32,
                     "seed {seed} at {:.1}: jerk {rate}",
                     world.time
                 );
                 if mode != out.mode {
                     change_times.push(world.time);
-                    tally.avoid_entries += usize::from(out.mode == Mode::Avoid.index());
+                    tally.avoid_entries += usize::from(out.mode == Mode::Avoid as u32);
                 }
             }
             previous = Some((out.mode, request));

@@ -273,7 +273,7 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
 fn off_levels(driven: &Driven) -> f64 {
     let steps = driven.drive.steps.iter().filter(|step| step.figures.is_some());
     let demands = steps.zip(driven.figure("demand_mps2"));
-    let decelerates = demands.filter(|(step, _)| step.mode == Some(Mode::Decelerate.index()));
+    let decelerates = demands.filter(|(step, _)| step.mode == Some(Mode::Decelerate as u32));
     decelerates.filter(|(_, (_, demand))| !LEVELS_MPS2.contains(demand)).count() as f64
 }
 

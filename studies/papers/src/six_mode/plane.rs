@@ -27,11 +27,7 @@ fn plane(p: &Parameters, driven: &Driven, at_s: f64) -> Option<Plot> {
             let step_mps = (RIGHT_MPS - from_mps) / f64::from(POINTS);
             let point = |index: u32| {
                 let v_r = from_mps + step_mps * f64::from(index);
-                let boundaries = match p.variant {
-                    Variant::Literal => Boundaries::literal(p, speed_mps, v_r),
-                    Variant::Robust => Boundaries::robust(p, speed_mps, v_r),
-                };
-                let gap_m = distance(v_r, &boundaries);
+                let gap_m = distance(v_r, &Boundaries::of(p, speed_mps, v_r));
                 (v_r, if (0.0..=range_m).contains(&gap_m) { gap_m } else { f64::NAN })
             };
             Curve::new(name, Tone::Muted, (0..=POINTS).map(point).collect()).stroke(stroke)

@@ -1,9 +1,10 @@
 //! From a law's input to the question's record, and from the answer's record to a law's output.
 
-use crate::law::{Input, MAX_PLAN, Output, Phase, TorqueRequest};
+use crate::law::{Input, MAX_PLAN, Output, Phase};
 use bytemuck::Zeroable;
 use messages::{LAW_CELLS, LAW_INTERVALS, LAW_MODES, LAW_PLAN, LAW_SIGNALS, LawAnswer, LawInput};
 use runtime::hosted::Hosting;
+use truck_model::Demand;
 
 const _: () = assert!(LAW_SIGNALS == crate::law::MAX_SIGNALS, "a question has every signal");
 const _: () = assert!(LAW_INTERVALS == crate::law::MAX_PHASES, "and every interval");
@@ -112,7 +113,7 @@ pub(super) fn accept(
             finite("engine_torque_nm", answer.engine_torque_nm)?;
             finite("service_brake_n", answer.service_brake_n)?;
             let gear = at_most("gear", answer.gear, 64)?;
-            Some(TorqueRequest {
+            Some(Demand {
                 engine_torque_nm: answer.engine_torque_nm,
                 service_brake_n: answer.service_brake_n.max(0.0),
                 gear: gear.checked_sub(1),

@@ -12,19 +12,15 @@
 //! the speed that is safe behind the lead at the line; a deceleration dies away.
 
 use crate::cacc::config::Config;
-use law::following::kinematics::{Lag, LagStep, Motion};
+use law::following::kinematics::{Lag, Motion};
 use law::following::parameters::FOLLOWING;
-use law::following::safe_gap::{LeadNow, SafeGap};
+use law::following::safe_gap::{CHECK_S, HALVINGS, LeadNow, SafeGap, bisect};
 
 /// Distance kept to a closed line, m.
 const LINE_MARGIN_M: f64 = 0.2;
 /// Way that a soft stop may take beyond the safe gap, as a share of the smallest gap. Chosen: the way of the last
 /// 0.3 s from 3 m/s.
 pub(super) const SOFT_SHARE: f64 = 0.5;
-/// Halvings of the interval of requests: to a thousandth of a m/s².
-const HALVINGS: usize = 13;
-/// Step in which ego and lead are compared, s.
-const CHECK_S: f64 = 0.1;
 /// Shares of the hardest braking with which a crossing behind a slower lead is tried.
 const BRAKING_SHARES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// Shortest time for which a request is taken to act, s: with less the filter would switch between
@@ -66,13 +62,20 @@ pub(super) struct Gate {
     pub(super) rule: Rule,
 }
 
-/// The filter.
+impl Gate {
+    /// The crossing that the rule allows.
+    fn crossing(&self) -> Option<Crossing> {
+        match self.rule {
+            Rule::Stop => None,
+            Rule::Pass { red_in_s, most_mps } => {
+                Some(Crossing { line_m: self.distance_m + LINE_MARGIN_M, red_in_s, most_mps })
+            }
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Filter {
-    lag: Lag,
-    period: LagStep,
-    check: LagStep,
-    min_mps2: f64,
     max_mps2: f64,
     safe: SafeGap,
 }
@@ -80,16 +83,8 @@ pub(super) struct Filter {
 impl Filter {
     /// A filter for a control period of `period_s`.
     pub(super) fn new(config: &Config, period_s: f64) -> Self {
-        let lag = Lag { tau_s: config.actuator_lag_s };
-        let period_s = period_s.max(SHORTEST_PERIOD_S);
-        Self {
-            lag,
-            period: lag.discretise(period_s),
-            check: lag.discretise(CHECK_S),
-            min_mps2: config.min_request_mps2,
-            max_mps2: config.max_request_mps2,
-            safe: safe_gap(config, period_s),
-        }
+        let safe = safe_gap(config, period_s.max(SHORTEST_PERIOD_S));
+        Self { max_mps2: config.max_request_mps2, safe }
     }
 
     /// The safe request nearest to `request`.
@@ -100,11 +95,9 @@ impl Filter {
         lead: Option<&LeadNow>,
         gates: &[Gate],
     ) -> f64 {
-        let mut u = request.clamp(self.min_mps2, self.max_mps2);
+        let mut u = request.clamp(self.safe.min_mps2, self.max_mps2);
         for gate in gates {
-            if let Rule::Pass { red_in_s, most_mps } = gate.rule {
-                let crossing =
-                    Crossing { line_m: gate.distance_m + LINE_MARGIN_M, red_in_s, most_mps };
+            if let Some(crossing) = gate.crossing() {
                 u = self.pass(u, ego, lead, &crossing);
             }
         }
@@ -121,7 +114,7 @@ impl Filter {
 
     /// True if the hardest braking from now on stops before a line.
     pub(super) fn can_stop(&self, ego: Motion, distance_m: f64) -> bool {
-        self.stops_before(self.min_mps2, ego, distance_m)
+        self.stops_before(self.safe.min_mps2, ego, distance_m)
     }
 
     /// True if a line is crossed before red, at the speed that is left when the present deceleration has died away or
@@ -133,13 +126,7 @@ impl Filter {
         lead: Option<&LeadNow>,
         gate: Gate,
     ) -> bool {
-        match gate.rule {
-            Rule::Stop => false,
-            Rule::Pass { red_in_s, most_mps } => {
-                let line_m = gate.distance_m + LINE_MARGIN_M;
-                self.has_room(request, ego, lead, &Crossing { line_m, red_in_s, most_mps })
-            }
-        }
+        gate.crossing().is_some_and(|crossing| self.has_room(request, ego, lead, &crossing))
     }
 
     /// True if braking with a constant `request` from now on is enough. It must stop before each closed line, and
@@ -152,7 +139,7 @@ impl Filter {
         gates: &[Gate],
     ) -> bool {
         let ego = Motion { position_m: 0.0, ..ego };
-        let rest = self.lag.stop(ego, request).distance_m;
+        let rest = self.safe.lag.stop(ego, request).distance_m;
         let stops = gates
             .iter()
             .all(|gate| gate.rule != Rule::Stop || rest <= gate.distance_m - LINE_MARGIN_M);
@@ -169,7 +156,7 @@ impl Filter {
         if stops(u) || self.has_room(u, ego, lead, crossing) {
             return u;
         }
-        if stops(self.min_mps2) {
+        if stops(self.safe.min_mps2) {
             return self.safe.lower(u, stops);
         }
         // Too late to stop. Room behind the lead is seen to after this.
@@ -178,31 +165,26 @@ impl Filter {
         }
         if !crosses(self.max_mps2) {
             // Neither is possible any more: cross as slowly as can be.
-            return self.min_mps2;
+            return self.safe.min_mps2;
         }
-        let (mut low, mut high) = (u, self.max_mps2);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if crosses(middle) { high = middle } else { low = middle }
-        }
-        high
+        bisect(HALVINGS, self.max_mps2, u, crosses)
     }
 
     fn stops_before(&self, u: f64, ego: Motion, distance_m: f64) -> bool {
-        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
-        let rest = self.lag.stop(next, FOLLOWING.sure_share * self.min_mps2).distance_m;
+        let next = self.safe.after_period(u, ego);
+        let rest = self.safe.lag.stop(next, FOLLOWING.sure_share * self.safe.min_mps2).distance_m;
         next.position_m + rest <= distance_m - LINE_MARGIN_M
     }
 
     /// Time and state at the line, if it is crossed before red. A request above 0 goes on; a deceleration dies away.
     fn crosses(&self, u: f64, ego: Motion, crossing: &Crossing) -> Option<(f64, Motion)> {
-        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
+        let next = self.safe.after_period(u, ego);
         self.goes_on(u, next, crossing).or_else(|| self.goes_on(0.0, next, crossing))
     }
 
     /// The same from the end of the period on.
     fn goes_on(&self, u: f64, next: Motion, crossing: &Crossing) -> Option<(f64, Motion)> {
-        let left_s = crossing.red_in_s - self.period.step_s;
+        let left_s = crossing.red_in_s - self.safe.period.step_s;
         let mut at = Motion { acceleration_mps2: 0.0, speed_mps: self.kept_mps(next), ..next };
         if u > 0.0 && next.acceleration_mps2 > 0.0 {
             at = next;
@@ -214,29 +196,29 @@ impl Filter {
             if way_m <= at.speed_mps * CHECK_S.min(rest_s) {
                 let way_s = if way_m > 0.0 { way_m / at.speed_mps } else { 0.0 };
                 let there = Motion { position_m: at.position_m + way_m, ..at };
-                return Some((self.period.step_s + time_s + way_s, there));
+                return Some((self.safe.period.step_s + time_s + way_s, there));
             }
             if rest_s < CHECK_S {
                 return None;
             }
             let spare_mps =
-                crossing.most_mps - at.speed_mps - self.lag.tau_s * at.acceleration_mps2;
-            at = self.check.advance(at, u.max(0.0).min((spare_mps / CHECK_S).max(0.0)));
+                crossing.most_mps - at.speed_mps - self.safe.lag.tau_s * at.acceleration_mps2;
+            at = self.safe.check.advance(at, u.max(0.0).min((spare_mps / CHECK_S).max(0.0)));
             time_s += CHECK_S;
         }
     }
 
     /// Speed once the present deceleration has died away, m/s.
     fn kept_mps(&self, ego: Motion) -> f64 {
-        (ego.speed_mps + ego.acceleration_mps2.min(0.0) * self.lag.tau_s).max(0.0)
+        (ego.speed_mps + ego.acceleration_mps2.min(0.0) * self.safe.lag.tau_s).max(0.0)
     }
 
     /// True if a lead that goes on as it does now leaves room to cross before red. The ego goes on, keeps its speed, or
     /// brakes for the lead all along.
     fn has_room(&self, u: f64, ego: Motion, lead: Option<&LeadNow>, crossing: &Crossing) -> bool {
         let Some(lead) = lead else { return self.crosses(u, ego, crossing).is_some() };
-        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
-        let hardest = FOLLOWING.sure_share * self.min_mps2;
+        let next = self.safe.after_period(u, ego);
+        let hardest = FOLLOWING.sure_share * self.safe.min_mps2;
         let now = lead.braking_mps2();
         let moved = |time_s: f64, at: &Motion| LeadNow {
             gap_m: lead.position_m(now, time_s) - at.position_m,
@@ -263,9 +245,9 @@ impl Filter {
 
     /// Time and state at which a constant request gets beyond a line in the time that is left.
     fn reaches(&self, mut ego: Motion, request: f64, crossing: &Crossing) -> Option<(f64, Motion)> {
-        let mut time_s = self.period.step_s;
+        let mut time_s = self.safe.period.step_s;
         while time_s + CHECK_S <= crossing.red_in_s && ego.speed_mps > 0.0 {
-            ego = self.check.advance(ego, request);
+            ego = self.safe.check.advance(ego, request);
             time_s += CHECK_S;
             if ego.position_m >= crossing.line_m {
                 return Some((time_s, ego));

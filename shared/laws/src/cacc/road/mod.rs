@@ -75,7 +75,6 @@ use self::signals::{Green, Line, SignalMemory};
 use super::config::Config;
 use super::plan::PlanMemory;
 use law::following::kinematics::{Lag, Motion};
-use law::following::safe_gap::LeadNow;
 use law::{Input, Law, MAX_SIGNALS, Output, Quality};
 
 /// Speed that stands for "no limit", m/s.
@@ -142,11 +141,7 @@ impl RoadLaw {
     /// The measured state, in the law's own terms; `None` when a number is missing.
     fn look(&mut self, input: &Input) -> Option<Seen> {
         let ego = &input.ego;
-        let lead = input.target.as_ref().map(|target| LeadNow {
-            gap_m: target.gap_m,
-            speed_mps: (ego.speed_mps + target.relative_speed_mps).max(0.0),
-            acceleration_mps2: target.acceleration_mps2,
-        });
+        let lead = input.target.map(|target| target.lead(ego.speed_mps));
         let sum = ego.position_m + ego.speed_mps + ego.acceleration_mps2 + input.time_s;
         let lead_sum = lead.map_or(0.0, |l| l.gap_m + l.speed_mps + l.acceleration_mps2);
         let raw = input.target.map_or(0.0, |target| target.relative_speed_mps);

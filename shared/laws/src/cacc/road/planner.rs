@@ -122,16 +122,11 @@ impl Planner {
     ) {
         let Work { lead, fastest, pass, stop } = &mut *self.work;
         let scene = Scene {
+            config: &self.config,
             driver: self.driver,
-            glide_mps2: self.config.road.comfort_deceleration_mps2,
             lag: self.lag,
-            horizon: self.config.horizon_steps,
             now_s: input.time_s,
             desired_mps: seen.desired_mps,
-            headway_s: self.config.time_headway_s,
-            standstill_m: self.config.road.standstill_gap_m,
-            min_gap_m: self.config.road.min_gap_m,
-            stop_margin_m: self.config.road.stop_margin_m,
             origin_m: input.ego.position_m,
             safe_gap: &self.safe_gap,
             lead,

@@ -82,13 +82,7 @@ pub(super) struct Deadline {
 pub(super) struct Programs {
     pub(super) go: Problem,
     pub(super) hold: Problem,
-    weights: [f64; 3],
-    request_weight: f64,
-    light_weight_m: f64,
-    light_threshold_m: f64,
-    headway_s: f64,
-    standstill_m: f64,
-    step_s: f64,
+    config: Config,
 }
 
 impl Programs {
@@ -103,13 +97,7 @@ impl Programs {
         Ok(Self {
             go: problem(config, lag, -road.comfort_deceleration_mps2, pass)?,
             hold: problem(config, lag, config.min_request_mps2, comfort)?,
-            weights: weights(road),
-            request_weight: road.request_weight_s4_per_m2,
-            light_weight_m: road.light_weight_m,
-            light_threshold_m: road.light_threshold_m,
-            headway_s: config.time_headway_s,
-            standstill_m: road.standstill_gap_m,
-            step_s: lag.step_s,
+            config: *config,
         })
     }
 
@@ -122,8 +110,8 @@ impl Programs {
         deadline: Option<Deadline>,
         fastest: &Fastest,
     ) {
-        let (t_h, s0) = (self.headway_s, self.standstill_m);
-        self.fill(true, reference, lead, fastest_mps);
+        let (t_h, s0) = (self.config.time_headway_s, self.config.road.standstill_gap_m);
+        fill(&mut self.go, &self.config, reference, lead, fastest_mps);
         match deadline {
             Some(Deadline { stage, switch, line_m }) => {
                 if let Some(switch) = switch {
@@ -149,8 +137,8 @@ impl Programs {
     /// stages. It is the slope of `w/D` at the reference's margin.
     fn light_price(&self, margin_m: f64) -> f64 {
         let margin_m = margin_m.max(LEAST_MARGIN_M);
-        if margin_m < self.light_threshold_m {
-            self.light_weight_m / (margin_m * margin_m)
+        if margin_m < self.config.road.light_threshold_m {
+            self.config.road.light_weight_m / (margin_m * margin_m)
         } else {
             0.0
         }
@@ -158,55 +146,59 @@ impl Programs {
 
     /// Rewards a position ahead at a stage of `go`, by `price` a metre.
     fn pull(&mut self, stage: usize, price: f64) {
-        let gradient = [1.0, -self.headway_s, 0.0].map(|g| -price * g);
+        let gradient = [1.0, -self.config.time_headway_s, 0.0].map(|g| -price * g);
         let add = |to: &mut [f64; 3]| to.iter_mut().zip(gradient).for_each(|(to, g)| *to += g);
         if let Some(stage) = self.go.state_gradients_mut().get_mut(stage) {
             add(stage);
         }
     }
 
-    /// Fills `hold`.
     pub(super) fn fill_hold(&mut self, reference: &Reference, lead: &Prediction, fastest_mps: f64) {
-        self.fill(false, reference, lead, fastest_mps);
+        fill(&mut self.hold, &self.config, reference, lead, fastest_mps);
     }
+}
 
-    fn fill(&mut self, go: bool, reference: &Reference, lead: &Prediction, fastest_mps: f64) {
-        let (t_h, s0, step) = (self.headway_s, self.standstill_m, self.step_s);
-        let (weights, r) = (self.weights, self.request_weight);
-        let error = |k: usize, motion: &Motion| {
-            let gap = lead.position_m[k] - motion.position_m;
-            let v = motion.speed_mps;
-            [t_h * v + s0 - gap, v - lead.speed_mps[k], motion.acceleration_mps2]
-        };
-        let problem = if go { &mut self.go } else { &mut self.hold };
-        let n = problem.horizon();
-        problem.set_initial_state(error(0, &reference.motion[0]));
-        for (k, d) in problem.disturbances_mut().iter_mut().enumerate() {
-            let moved = lead.position_m[k + 1] - lead.position_m[k];
-            let faster = lead.speed_mps[k + 1] - lead.speed_mps[k];
-            *d = [step * lead.speed_mps[k] - moved, -faster, 0.0];
-        }
-        for (k, gradient) in problem.state_gradients_mut().iter_mut().enumerate() {
-            let x = error(k, &reference.motion[k]);
-            *gradient = std::array::from_fn(|i| -weights[i] * x[i]);
-        }
-        for (gradient, request) in
-            problem.input_gradients_mut().iter_mut().zip(reference.request_mps2)
-        {
-            *gradient = -r * request;
-        }
-        let last = error(n, &reference.motion[n]);
-        problem.set_terminal_gradient(std::array::from_fn(|i| -TERMINAL * weights[i] * last[i]));
-        for k in 1..=n {
-            let v_lead = lead.speed_mps[k];
-            let offset = lead.position_m[k] - t_h * v_lead - s0;
-            problem.row_limits_mut(CEILING)[k] = reference.ceiling_m[k] - offset;
-            // Above the limit nothing may become faster: a limit that followed would be driven up, cycle by cycle.
-            let above = reference.motion[k].speed_mps.min(reference.motion[0].speed_mps);
-            let fastest = (fastest_mps + SPEED_MARGIN_MPS).max(above + EXCESS_MARGIN_MPS);
-            problem.row_limits_mut(FAST)[k] = fastest - v_lead;
-            problem.row_limits_mut(SLOW)[k] = v_lead + SPEED_MARGIN_MPS;
-        }
+/// Fills what both programs have.
+fn fill(
+    problem: &mut Problem,
+    config: &Config,
+    reference: &Reference,
+    lead: &Prediction,
+    fastest_mps: f64,
+) {
+    let (t_h, s0, step) = (config.time_headway_s, config.road.standstill_gap_m, config.step_s);
+    let (weights, r) = (weights(&config.road), config.road.request_weight_s4_per_m2);
+    let error = |k: usize, motion: &Motion| {
+        let gap = lead.position_m[k] - motion.position_m;
+        let v = motion.speed_mps;
+        [t_h * v + s0 - gap, v - lead.speed_mps[k], motion.acceleration_mps2]
+    };
+    let n = problem.horizon();
+    problem.set_initial_state(error(0, &reference.motion[0]));
+    for (k, d) in problem.disturbances_mut().iter_mut().enumerate() {
+        let moved = lead.position_m[k + 1] - lead.position_m[k];
+        let faster = lead.speed_mps[k + 1] - lead.speed_mps[k];
+        *d = [step * lead.speed_mps[k] - moved, -faster, 0.0];
+    }
+    for (k, gradient) in problem.state_gradients_mut().iter_mut().enumerate() {
+        let x = error(k, &reference.motion[k]);
+        *gradient = std::array::from_fn(|i| -weights[i] * x[i]);
+    }
+    for (gradient, request) in problem.input_gradients_mut().iter_mut().zip(reference.request_mps2)
+    {
+        *gradient = -r * request;
+    }
+    let last = error(n, &reference.motion[n]);
+    problem.set_terminal_gradient(std::array::from_fn(|i| -TERMINAL * weights[i] * last[i]));
+    for k in 1..=n {
+        let v_lead = lead.speed_mps[k];
+        let offset = lead.position_m[k] - t_h * v_lead - s0;
+        problem.row_limits_mut(CEILING)[k] = reference.ceiling_m[k] - offset;
+        // Above the limit nothing may become faster: a limit that followed would be driven up, cycle by cycle.
+        let above = reference.motion[k].speed_mps.min(reference.motion[0].speed_mps);
+        let fastest = (fastest_mps + SPEED_MARGIN_MPS).max(above + EXCESS_MARGIN_MPS);
+        problem.row_limits_mut(FAST)[k] = fastest - v_lead;
+        problem.row_limits_mut(SLOW)[k] = v_lead + SPEED_MARGIN_MPS;
     }
 }
 

@@ -14,13 +14,12 @@
 
 use super::lead::Prediction;
 use super::signals::Line;
+use crate::cacc::config::Config;
 use law::MAX_PLAN;
 use law::following::driver::{Driver, Obstacle};
 use law::following::kinematics::{LagStep, Motion};
 use law::following::safe_gap::SafeGap;
 
-/// Headway that the driver keeps to a stop line, s.
-const LINE_HEADWAY_S: f64 = 1.0;
 /// Lag `h` that it assumes when it glides, s.
 const GLIDE_LAG_S: f64 = 0.5;
 /// Band of speed above `v*` over which gliding fades into braking, m/s.
@@ -46,17 +45,11 @@ pub(super) enum Gate {
 /// Constants of a roll-out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scene<'a> {
+    pub(super) config: &'a Config,
     pub(super) driver: Driver,
-    /// Deceleration with which a glide could still stop, m/s².
-    pub(super) glide_mps2: f64,
     pub(super) lag: LagStep,
-    pub(super) horizon: usize,
     pub(super) now_s: f64,
     pub(super) desired_mps: f64,
-    pub(super) headway_s: f64,
-    pub(super) standstill_m: f64,
-    pub(super) min_gap_m: f64,
-    pub(super) stop_margin_m: f64,
     /// Distance on the odometer of the roll-out's origin, m.
     pub(super) origin_m: f64,
     pub(super) safe_gap: &'a SafeGapTable,
@@ -91,7 +84,7 @@ impl Reference {
         self.hardest_mps2 = 0.0;
         self.motion[0] = start;
         self.ceiling_m[0] = f64::INFINITY;
-        for k in 0..scene.horizon {
+        for k in 0..scene.config.horizon_steps {
             let here = self.motion[k];
             let (request, ceiling) = scene.request(k, here, nearest);
             self.hardest_mps2 = self.hardest_mps2.max(-request);
@@ -100,7 +93,7 @@ impl Reference {
             self.request_mps2[k] = if stands { 0.0 } else { request };
             self.motion[k + 1] = next;
             let behind_lead = if scene.lead.present {
-                scene.lead.position_m[k + 1] - scene.min_gap_m
+                scene.lead.position_m[k + 1] - scene.config.road.min_gap_m
             } else {
                 f64::INFINITY
             };
@@ -142,7 +135,9 @@ impl SafeGapTable {
 impl Scene<'_> {
     /// The time headway, or the safe gap if that is larger.
     fn headway_at(&self, v: f64) -> f64 {
-        self.headway_s.max((self.safe_gap.at(v) - self.standstill_m) / v.max(1.0))
+        let (headway_s, standstill_m) =
+            (self.config.time_headway_s, self.config.road.standstill_gap_m);
+        headway_s.max((self.safe_gap.at(v) - standstill_m) / v.max(1.0))
     }
 
     /// The driver's request at stage `k` and the ceiling that closed lines put on the next
@@ -151,14 +146,8 @@ impl Scene<'_> {
         let v = here.speed_mps;
         let free = self.driver.free_mps2(v, self.desired_mps);
         let mut request = free;
-        if self.lead.present {
-            let lead = Obstacle {
-                gap_m: self.lead.position_m[k] - here.position_m,
-                speed_mps: self.lead.speed_mps[k],
-                acceleration_mps2: self.lead.acceleration_mps2[k],
-                headway_s: self.headway_at(v),
-                standstill_m: self.standstill_m,
-            };
+        if let Some(lead) = self.lead.at(k, here.position_m) {
+            let lead = lead.obstacle(self.headway_at(v), self.config.road.standstill_gap_m);
             request = free.min(self.driver.follow_below_mps2(free, v, self.desired_mps, &lead));
         }
         let time = self.now_s + k as f64 * self.lag.step_s;
@@ -181,7 +170,7 @@ impl Scene<'_> {
                     Gate::ClosedUntil(opens) => Some(opens),
                 },
             };
-            ceiling = ceiling.min(line.at_m - self.origin_m - self.stop_margin_m);
+            ceiling = ceiling.min(line.at_m - self.origin_m - self.config.road.stop_margin_m);
             let room = self.queue_room_m(k, here, distance);
             let opens_in_s = opens.map(|at| at - time);
             request =
@@ -194,7 +183,8 @@ impl Scene<'_> {
     fn queue_room_m(&self, k: usize, here: Motion, distance: f64) -> f64 {
         let gap = self.lead.position_m[k] - here.position_m;
         let waits = self.lead.present && gap < distance && self.lead.speed_mps[k] < WAITS_MPS;
-        if waits { gap - self.standstill_m + self.stop_margin_m } else { distance }
+        let road = &self.config.road;
+        if waits { gap - road.standstill_gap_m + road.stop_margin_m } else { distance }
     }
 
     /// Request before a closed line that opens after a time in s. The speed is one at which the driver requests `free`
@@ -207,18 +197,12 @@ impl Scene<'_> {
         opens_in_s: Option<f64>,
         glides: bool,
     ) -> f64 {
-        let line = Obstacle {
-            gap_m: distance,
-            speed_mps: 0.0,
-            acceleration_mps2: 0.0,
-            headway_s: LINE_HEADWAY_S,
-            standstill_m: self.stop_margin_m,
-        };
+        let line = Obstacle::line(distance, self.config.road.stop_margin_m);
         let stop = self.driver.follow_below_mps2(free, v, self.desired_mps, &line);
         let Some(left) = opens_in_s else { return stop };
-        let b = self.glide_mps2;
+        let b = self.config.road.comfort_deceleration_mps2;
         let wait = left + GLIDE_LAG_S;
-        let room = (distance - self.stop_margin_m).max(0.0);
+        let room = (distance - self.config.road.stop_margin_m).max(0.0);
         let glide = b * ((wait * wait + 2.0 * room / b).sqrt() - wait);
         let gliding = self.driver.free_mps2(v, glide.min(self.desired_mps));
         // Above the glide speed the ego brakes for a line that stays closed, at least as hard as for the glide.
@@ -266,16 +250,11 @@ mod tests {
         let standing = LeadNow { gap_m: 4.0, speed_mps: 0.0, acceleration_mps2: 0.0 };
         lead.update(Some(&standing), 0.1, 0.9);
         let scene = Scene {
+            config: &Config::default(),
             driver: Driver { acceleration_mps2: 2.0, deceleration_mps2: 1.7, hardest_mps2: 4.9 },
-            glide_mps2: 3.0,
             lag: lag.discretise(0.1),
-            horizon: 100,
             now_s: 0.0,
             desired_mps: 20.0,
-            headway_s: 1.5,
-            standstill_m: 5.0,
-            min_gap_m: 2.0,
-            stop_margin_m: 1.0,
             origin_m: 0.0,
             safe_gap: &SafeGapTable::new(&safe),
             lead: &lead,
