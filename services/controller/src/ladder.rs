@@ -108,7 +108,6 @@ impl Recovery {
     }
 }
 
-/// The ladder.
 #[derive(Clone, Debug)]
 pub struct Ladder {
     stale_radar_s: f64,
@@ -130,7 +129,6 @@ pub struct Ladder {
 
 impl Ladder {
     /// The ladder of a scenario.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         let stale =
             |period_ms: u32| (STALE_PERIODS * f64::from(period_ms) / 1e3).max(SHORTEST_STALE_S);
@@ -223,7 +221,6 @@ impl Ladder {
     }
 
     /// The law's largest request while the road ahead is not seen, and for a while after, m/s²; infinite otherwise.
-    #[must_use]
     pub fn most_mps2(&self) -> f64 {
         self.caution.most_mps2().min(self.departure.most_mps2())
     }
@@ -239,7 +236,6 @@ impl Ladder {
     }
 
     /// Age from which odometry is of no use, s.
-    #[must_use]
     pub fn stale_odometry_s(&self) -> f64 {
         self.stale_odometry_s
     }

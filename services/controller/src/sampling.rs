@@ -32,7 +32,6 @@ pub struct Setting {
 
 impl Setting {
     /// The setting of a scenario; `raw_target` as the law needs it.
-    #[must_use]
     pub fn of(scenario: &Scenario, raw_target: bool) -> Self {
         Self {
             period_s: f64::from(scenario.controller.period_ms.value()) / 1e3,
@@ -77,7 +76,6 @@ pub enum SignalTrust {
 }
 
 /// Input of the law at `time_s`. Without odometry the ego is taken to stand at the origin.
-#[must_use]
 pub fn input(setting: &Setting, samples: &Samples<'_>, trust: SignalTrust, time_s: f64) -> Input {
     let ego = samples.odometry.map_or_else(Ego::default, |odometry| ego_at(odometry, time_s));
     Input {

@@ -84,7 +84,6 @@ fn run_built(
 }
 
 /// Time inside the law over all processes of a run's controller; none if that was not kept.
-#[must_use]
 pub fn last_law_times(group: &Group) -> Option<Percentiles> {
     let figures = Figures::of(group, Service::Controller);
     figures.latencies(LAW).ok()?.percentiles_us()
@@ -92,7 +91,6 @@ pub fn last_law_times(group: &Group) -> Option<Percentiles> {
 
 /// A whole program that takes the controller's place with one law: `main` of `--service
 /// controller=PROGRAM`. Its arguments come from the launcher.
-#[must_use]
 pub fn serve(law: &'static Descriptor) -> std::process::ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     runtime::run_service(Service::Controller, &arguments, |joined| run_law(joined, law))

@@ -37,13 +37,11 @@ pub struct Gaussian<const N: usize> {
 pub struct Innovation {
     /// Measured minus predicted value.
     pub residual: f64,
-    /// Variance of the residual.
     pub variance: f64,
 }
 
 impl Innovation {
     /// It is within `gate` standard deviations. False for a measurement that is not a number.
-    #[must_use]
     pub fn passes(&self, gate: f64) -> bool {
         self.residual * self.residual <= gate * gate * self.variance
     }
@@ -51,7 +49,6 @@ impl Innovation {
 
 impl<const N: usize> Gaussian<N> {
     /// A state whose elements are known independently, with the given variances.
-    #[must_use]
     pub fn independent(mean: [f64; N], variances: [f64; N]) -> Self {
         let covariance = from_fn(|i| from_fn(|j| if i == j { variances[i] } else { 0.0 }));
         Self { mean, covariance }
@@ -74,20 +71,17 @@ impl<const N: usize> Gaussian<N> {
     }
 
     /// A measurement of element `m` with a variance, beside its prediction.
-    #[must_use]
     pub fn innovation(&self, m: usize, measured: f64, variance: f64) -> Innovation {
         Innovation { residual: measured - self.mean[m], variance: self.covariance[m][m] + variance }
     }
 
     /// A measurement of the sum `h · state` with a variance, by its difference from the prediction. The caller has the
     /// prediction, which need not be linear.
-    #[must_use]
     pub fn innovation_along(&self, h: &[f64; N], residual: f64, variance: f64) -> Innovation {
         Innovation { residual, variance: self.variance_along(h) + variance }
     }
 
     /// Variance of the sum `h · state`.
-    #[must_use]
     pub fn variance_along(&self, h: &[f64; N]) -> f64 {
         let row = |i: usize| (0..N).map(|j| self.covariance[i][j] * h[j]).sum::<f64>();
         (0..N).map(|i| h[i] * row(i)).sum()

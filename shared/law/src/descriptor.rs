@@ -27,7 +27,6 @@ pub struct Descriptor {
     pub formulations: &'static [&'static Formulation],
     /// The formulation that a scenario's keys choose.
     pub formulation: fn(&Controller) -> &'static Formulation,
-    /// The gap that it aims at.
     pub gap: GapPolicy,
     /// It filters the target itself: it is given gap and relative speed as measured, not the tracker's estimate.
     pub measured_target: bool,
@@ -53,13 +52,11 @@ pub struct Formulation {
 }
 
 impl Formulation {
-    /// The names of its figures.
     pub fn figure_names(&self) -> Vec<&'static str> {
         self.figures.iter().map(|figure| figure.name).collect()
     }
 
     /// The place of a figure among the output's.
-    #[must_use]
     pub fn figure(&self, name: &str) -> Option<usize> {
         self.figures.iter().position(|figure| figure.name == name)
     }
@@ -70,21 +67,17 @@ impl Formulation {
 pub struct Figure {
     /// Name, with the unit as its ending.
     pub name: &'static str,
-    /// Unit.
     pub unit: &'static str,
     /// Meaning and sign where the name does not give them; otherwise empty.
     pub meaning: &'static str,
 }
 
 impl Figure {
-    /// A figure.
-    #[must_use]
     pub const fn new(name: &'static str, unit: &'static str) -> Self {
         Self { name, unit, meaning: "" }
     }
 
     /// The same with what it is.
-    #[must_use]
     pub const fn meaning(self, meaning: &'static str) -> Self {
         Self { meaning, ..self }
     }

@@ -16,13 +16,11 @@ pub struct Ego {
     pub position_m: f64,
     /// Speed, m/s, never negative.
     pub speed_mps: f64,
-    /// Acceleration, m/s².
     pub acceleration_mps2: f64,
 }
 
 impl Ego {
     /// Its motion in its own frame.
-    #[must_use]
     pub fn motion(&self) -> Motion {
         let Self { speed_mps, acceleration_mps2, .. } = *self;
         Motion { position_m: 0.0, speed_mps, acceleration_mps2 }
@@ -46,7 +44,6 @@ pub struct Target {
 
 impl Target {
     /// The vehicle ahead of an ego at `ego_mps`; it does not drive backwards.
-    #[must_use]
     pub fn lead(&self, ego_mps: f64) -> LeadNow {
         LeadNow {
             gap_m: self.gap_m,
@@ -115,7 +112,6 @@ pub struct Input {
     pub time_s: f64,
     /// Control period, s.
     pub period_s: f64,
-    /// Ego state.
     pub ego: Ego,
     /// In-path target, if the radar has one.
     pub target: Option<Target>,
@@ -138,13 +134,11 @@ const FARTHEST_M: f64 = 1e6;
 
 impl Input {
     /// The speed to drive without a target, m/s: the set speed within the limit.
-    #[must_use]
     pub fn wanted_speed_mps(&self) -> f64 {
         self.set_speed_mps.min(self.speed_limit_mps).max(0.0)
     }
 
     /// Period, speeds, acceleration and gap are numbers that a road vehicle can have.
-    #[must_use]
     pub fn is_plausible(&self) -> bool {
         let within = |v: f64, low: f64, high: f64| (low..=high).contains(&v);
         within(self.period_s, 1e-4, 10.0)

@@ -21,7 +21,6 @@ pub enum Quality {
     FallBack,
 }
 
-/// Output of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
     /// Planned requests, m/s², one per control period; the first acts now. `plan_len` are valid.
@@ -35,7 +34,6 @@ pub struct Output {
     pub mode: u32,
     /// Reason of the last mode change, an index into the formulation's reasons.
     pub mode_reason: u32,
-    /// Quality of the command.
     pub quality: Quality,
     /// Iterations the solver took, 0 for explicit laws.
     pub solver_iterations: u32,
@@ -84,7 +82,6 @@ impl Output {
     }
 
     /// Request that acts now, m/s².
-    #[must_use]
     pub fn request_mps2(&self) -> f64 {
         self.plan_mps2[0]
     }

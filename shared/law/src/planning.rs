@@ -13,11 +13,8 @@ pub const MAX_SEGMENTS: usize = 24;
 pub struct PlanRequest {
     /// Number of the request; the plan carries it back.
     pub number: u64,
-    /// Time of the request, s.
     pub time_s: f64,
-    /// Position of the truck, m.
     pub position_m: f64,
-    /// Speed of the truck, m/s.
     pub speed_mps: f64,
     /// Gear, counted from 0.
     pub gear: usize,
@@ -36,7 +33,6 @@ pub struct PlanRequest {
 /// Constant torque over a stretch of road.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Segment {
-    /// End, m.
     pub end_m: f64,
     /// Torque at the crankshaft, N m.
     pub engine_torque_nm: f64,
@@ -53,7 +49,6 @@ pub struct Plan {
     pub number: u64,
     /// Time of that request, s.
     pub time_s: f64,
-    /// Start, m.
     pub start_m: f64,
     /// Speed there, m/s.
     pub start_speed_mps: f64,
@@ -84,7 +79,6 @@ impl Plan {
     }
 
     /// Index of the segment at a position; `None` outside.
-    #[must_use]
     pub fn segment_at(&self, position_m: f64) -> Option<usize> {
         if position_m.is_nan() || position_m < self.start_m {
             return None;
@@ -92,14 +86,11 @@ impl Plan {
         self.segments[..self.len].iter().position(|segment| position_m < segment.end_m)
     }
 
-    /// End of the plan, m.
-    #[must_use]
     pub fn end_m(&self) -> f64 {
         self.segments[..self.len].last().map_or(self.start_m, |segment| segment.end_m)
     }
 
     /// Planned speed at a position in segment `index`, m/s: energy is linear within a segment.
-    #[must_use]
     pub fn speed_mps(&self, index: usize, position_m: f64) -> f64 {
         let (start_m, start) = self.start_of(index);
         let segment = &self.segments[index];
@@ -108,7 +99,6 @@ impl Plan {
     }
 
     /// Planned acceleration in segment `index`, m/s².
-    #[must_use]
     pub fn acceleration_mps2(&self, index: usize) -> f64 {
         let (start_m, start) = self.start_of(index);
         let segment = &self.segments[index];

@@ -10,7 +10,6 @@ pub const MAX_CELLS: usize = 64;
 pub struct Preview {
     /// Start of the first cell, m in the frame of `Ego::position_m`.
     pub start_m: f64,
-    /// Length of a cell, m.
     pub cell_m: f64,
     /// Mean grade (rise over run) of each cell; `count` of them are valid.
     pub grades: [f64; MAX_CELLS],
@@ -29,7 +28,6 @@ impl Default for Preview {
 
 impl Preview {
     /// True if it describes a road: finite, of positive cell length, no steeper than any road is.
-    #[must_use]
     pub fn is_sound(&self) -> bool {
         self.start_m.is_finite()
             && self.cell_m.is_finite()
@@ -38,14 +36,11 @@ impl Preview {
             && self.grades[..self.count].iter().all(|grade| grade.abs() <= STEEPEST)
     }
 
-    /// End, m.
-    #[must_use]
     pub fn end_m(&self) -> f64 {
         self.start_m + self.cell_m * self.count as f64
     }
 
     /// Grade at a position; `None` outside.
-    #[must_use]
     pub fn grade(&self, position_m: f64) -> Option<f64> {
         let place = (position_m - self.start_m) / self.cell_m;
         if place.is_nan() || place < 0.0 {
@@ -55,7 +50,6 @@ impl Preview {
     }
 
     /// Mean grade from `from_m` to `to_m`; `None` unless all of it is known.
-    #[must_use]
     pub fn mean_grade(&self, from_m: f64, to_m: f64) -> Option<f64> {
         let known = from_m >= self.start_m && to_m <= self.end_m() + 1e-6;
         if !(known && to_m > from_m) {

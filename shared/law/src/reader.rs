@@ -29,7 +29,6 @@ macro_rules! key {
 
 impl<'a> Reader<'a> {
     /// A reader of a scenario for the law that it names.
-    #[must_use]
     pub fn new(scenario: &'a Scenario) -> Self {
         let reads = RefCell::new(Reads::of(scenario.controller.name.as_str()));
         Self { scenario, reads }
@@ -67,13 +66,11 @@ impl<'a> Reader<'a> {
     }
 
     /// The ego vehicle.
-    #[must_use]
     pub fn plant(&self) -> &'a Plant {
         &self.scenario.plant
     }
 
     /// A reader for the law that takes over where this one fails.
-    #[must_use]
     pub fn of_backup(&self) -> Self {
         Self::new(self.scenario)
     }
@@ -89,7 +86,6 @@ impl<'a> Reader<'a> {
     }
 
     /// The keys that were read.
-    #[must_use]
     pub fn reads(self) -> Reads {
         self.reads.into_inner()
     }

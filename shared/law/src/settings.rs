@@ -17,17 +17,11 @@ pub trait Settings: parameters::Table + Default + DeserializeOwned + Schema + Se
     }
 
     /// Checks what depends on several keys.
-    ///
-    /// # Errors
-    /// The first key that is not usable.
     fn check_together(&self) -> Result<(), SettingError> {
         Ok(())
     }
 
     /// Checks every value.
-    ///
-    /// # Errors
-    /// The first key that is not usable.
     fn check(&self) -> Result<(), SettingError> {
         self.numbers().iter().try_for_each(Number::check)?;
         self.check_together()
@@ -55,9 +49,6 @@ impl Number {
     }
 
     /// Checks that a value that is there is within its range.
-    ///
-    /// # Errors
-    /// Key, value and range.
     pub fn check(&self) -> Result<(), SettingError> {
         match self.value {
             Some(value) if !self.row.accepts(value) => Err(self.refusal(value)),
@@ -99,7 +90,6 @@ pub struct Table {
 
 impl Table {
     /// The table `name`, of type `T`.
-    #[must_use]
     pub const fn of<T: Settings>(name: &'static str) -> Self {
         Self {
             name,
@@ -161,14 +151,10 @@ impl fmt::Display for Expected {
 }
 
 impl SettingError {
-    /// The key that is refused.
-    #[must_use]
     pub fn key(&self) -> &str {
         &self.key
     }
 
-    /// The fault.
-    #[must_use]
     pub fn message(&self) -> String {
         let fault = match self.expected {
             Expected::Within(..) | Expected::Above(..) => "out of range",
@@ -178,24 +164,13 @@ impl SettingError {
     }
 
     /// Accepted values in words.
-    #[must_use]
     pub fn expected(&self) -> String {
         self.expected.to_string()
     }
 
-    /// The same with its keys renamed.
-    #[must_use]
-    pub fn renamed(mut self, name: impl Fn(&str) -> &str) -> Self {
-        self.key = name(&self.key).to_owned();
-        if let Expected::Below(other, _) = &mut self.expected {
-            *other = name(other).to_owned();
-        }
-        self
-    }
-
-    /// The same with its numbers, which are in seconds, in milliseconds.
-    #[must_use]
-    pub fn in_ms(mut self) -> Self {
+    /// The same of the key `key`, with its numbers, which are in seconds, in milliseconds.
+    pub fn in_ms(mut self, key: &str) -> Self {
+        key.clone_into(&mut self.key);
         // A thousandth has no exact form: what was typed is shown.
         let scale = |number: &mut f64| *number = (*number * 1e9).round() / 1e6;
         scale(&mut self.value);
@@ -209,25 +184,18 @@ impl SettingError {
     }
 
     /// The error at its place in a scenario file: `table` is the dotted path of the law's table.
-    #[must_use]
     pub fn in_table(&self, table: &str) -> Problem {
         Problem::new(format!("{table}.{}", self.key), self.message(), self.expected())
     }
 }
 
 /// Accepts `least <= value <= most`; NaN is refused.
-///
-/// # Errors
-/// Key, value and range.
 pub fn within(key: &str, value: f64, least: f64, most: f64) -> Result<(), SettingError> {
     let refused = Expected::Within(least, most);
     accept((least..=most).contains(&value), key, value, refused)
 }
 
 /// Accepts a value below another key's; NaN is refused.
-///
-/// # Errors
-/// Both keys with their values.
 pub fn below(key: &str, value: f64, other: &str, limit: f64) -> Result<(), SettingError> {
     accept(value < limit, key, value, Expected::Below(other.to_owned(), limit))
 }

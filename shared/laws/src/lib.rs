@@ -6,8 +6,6 @@
 //!
 //! A law uses the contract, the solver and the model of its vehicle. It has neither a clock nor a message.
 
-#![warn(missing_docs)]
-
 pub mod cacc;
 mod checked;
 pub mod quadratic_bounded;

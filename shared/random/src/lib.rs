@@ -13,7 +13,6 @@ use rand_core::Rng;
 use std::f64::consts::TAU;
 
 /// Uniform in [0, 1): the highest 53 of 64 random bits.
-#[must_use]
 pub fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
@@ -29,7 +28,6 @@ pub fn open_uniform(generator: &mut impl Rng) -> f64 {
 }
 
 /// A standard normal deviate from two uniform ones, of which `u` is not 0 (Box and Muller 1958).
-#[must_use]
 pub fn box_muller(u: f64, v: f64) -> f64 {
     libm::sqrt(-2.0 * libm::log(u)) * libm::cos(TAU * v)
 }

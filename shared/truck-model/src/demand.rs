@@ -19,7 +19,6 @@ pub struct Demand {
 
 impl Demand {
     /// Returns a demand for engine torque alone.
-    #[must_use]
     pub fn torque(engine_torque_nm: f64) -> Self {
         Self { engine_torque_nm, ..Self::default() }
     }
@@ -39,7 +38,6 @@ impl Demand {
     /// assert!(demand.engine_torque_nm < 0.0, "the engine brake comes first");
     /// assert_eq!(demand.service_brake_n, 0.0);
     /// ```
-    #[must_use]
     pub fn for_acceleration(
         truck: &Truck,
         acceleration_mps2: f64,

@@ -45,31 +45,26 @@ pub struct Engine {
 
 impl Engine {
     /// Returns an engine with `scale` times the torque, drag and fuel of the generic one.
-    #[must_use]
     pub fn new(scale: f64) -> Self {
         Self { scale }
     }
 
     /// Returns the highest torque at the crankshaft \[N m\].
-    #[must_use]
     pub fn max_torque_nm(&self, speed_rpm: f64) -> f64 {
         self.scale * interpolated(&FULL_LOAD_NM, speed_rpm)
     }
 
     /// Returns the torque with the injection cut \[N m\], negative.
-    #[must_use]
     pub fn drag_torque_nm(&self, speed_rpm: f64) -> f64 {
         self.scale * interpolated(&DRAG_NM, speed_rpm)
     }
 
     /// Returns the torque with the injection cut and the full engine brake \[N m\], negative.
-    #[must_use]
     pub fn brake_torque_nm(&self, speed_rpm: f64) -> f64 {
         self.scale * interpolated(&BRAKE_NM, speed_rpm)
     }
 
     /// Returns the fuel flow at a crankshaft torque \[g/s\] (equation 5).
-    #[must_use]
     pub fn fuel_gps(&self, speed_rpm: f64, torque_nm: f64) -> f64 {
         1e-3 * speed_rpm * RADPS_PER_RPM * self.fuel_mg_per_rad(speed_rpm, torque_nm)
     }

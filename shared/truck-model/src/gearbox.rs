@@ -33,7 +33,6 @@ impl Truck {
     ///
     /// `gear` counts from 0, the lowest. `net_torque_nm` is the requested torque at the gearbox,
     /// `since_shift_s` the time since the last shift began.
-    #[must_use]
     pub fn gear_by_rule(
         &self,
         speed_mps: f64,
@@ -60,7 +59,6 @@ impl Truck {
 
     /// Returns whether `gear` may be engaged at this speed: the engine neither labours nor
     /// overspeeds.
-    #[must_use]
     pub fn gear_allowed(&self, speed_mps: f64, gear: usize) -> bool {
         let rpm = self.engine_rpm(speed_mps, gear);
         gear < GEARS && rpm < OVERSPEED_RPM && (rpm >= LABOURING_RPM || gear == 0)

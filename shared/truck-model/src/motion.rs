@@ -45,7 +45,6 @@ pub struct Ledger {
 impl Ledger {
     /// Returns the crank work left for kinetic energy \[J\]; by the balance it equals the change of
     /// K.
-    #[must_use]
     pub fn remainder_j(&self) -> f64 {
         let losses_j = self.auxiliary_j
             + self.driveline_j
@@ -72,7 +71,6 @@ pub struct Motion {
     pub engine_torque_nm: f64,
     /// Time since the last shift began \[s\].
     pub since_shift_s: f64,
-    /// Number of shifts.
     pub shifts: u32,
     /// Fuel burnt \[g\].
     pub fuel_g: f64,
@@ -85,7 +83,6 @@ impl Motion {
     ///
     /// The engine's torque holds the speed on `grade`; if it cannot, the truck has the remaining
     /// acceleration. A standing truck keeps standing on any grade.
-    #[must_use]
     pub fn new(truck: &Truck, position_m: f64, speed_mps: f64, grade: f64) -> Self {
         let gear =
             (0..GEARS).rev().find(|&g| truck.engine_rpm(speed_mps, g) >= 1000.0).unwrap_or(0);
@@ -111,7 +108,6 @@ impl Motion {
     }
 
     /// Returns whether a shift interrupts the traction.
-    #[must_use]
     pub fn is_shifting(&self) -> bool {
         self.since_shift_s < TRACTION_INTERRUPTION_S
     }

@@ -17,7 +17,6 @@ impl Preset {
     pub const ALL: [Self; 2] = [Self::Jh6At49T, Self::Jh6At25T];
 
     /// Returns the name in scenarios and tables.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Jh6At49T => "jh6-49t",
@@ -26,13 +25,11 @@ impl Preset {
     }
 
     /// Returns the preset of that name.
-    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|preset| preset.name() == name)
     }
 
     /// Returns the parameters of the vehicle.
-    #[must_use]
     pub fn parameters(self) -> Parameters {
         match self {
             Self::Jh6At49T => Parameters {

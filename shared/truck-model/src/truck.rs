@@ -42,7 +42,6 @@ pub struct Truck {
 
 impl Truck {
     /// Returns a truck with these parameters.
-    #[must_use]
     pub fn new(parameters: Parameters) -> Self {
         let p = parameters;
         let radius2_m2 = p.wheel_radius_m * p.wheel_radius_m;
@@ -59,85 +58,69 @@ impl Truck {
     }
 
     /// Returns a shipped truck.
-    #[must_use]
     pub fn preset(preset: Preset) -> Self {
         Self::new(preset.parameters())
     }
 
     /// Returns the same truck with another mass.
-    #[must_use]
     pub fn with_mass_kg(&self, mass_kg: f64) -> Self {
         Self::new(Parameters { mass_kg, ..self.parameters })
     }
 
-    /// Returns the parameters.
-    #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// Returns the engine.
-    #[must_use]
     pub fn engine(&self) -> &Engine {
         &self.engine
     }
 
     /// Returns the mass with the share of the rotating parts, m d \[kg\] (equation 3).
-    #[must_use]
     pub fn inertial_mass_kg(&self) -> f64 {
         self.inertial_mass_kg
     }
 
     /// Returns c of equations (1) and (4) \[1/m\]: air drag is c K.
-    #[must_use]
     pub fn drag_per_m(&self) -> f64 {
         self.drag_per_m
     }
 
     /// Returns the crankshaft radians per metre of road, k = i_g i_0 / r \[1/m\].
-    #[must_use]
     pub fn crank_radians_per_m(&self, gear: usize) -> f64 {
         self.crank_radians_per_m[gear]
     }
 
     /// Returns the kinetic energy K at a speed \[J\].
-    #[must_use]
     pub fn kinetic_energy_j(&self, speed_mps: f64) -> f64 {
         0.5 * self.inertial_mass_kg * speed_mps * speed_mps
     }
 
     /// Returns the speed at a kinetic energy \[m/s\].
-    #[must_use]
     pub fn speed_mps(&self, kinetic_energy_j: f64) -> f64 {
         (2.0 * kinetic_energy_j.max(0.0) / self.inertial_mass_kg).sqrt()
     }
 
     /// Returns the engine speed with the clutch closed \[rpm\].
-    #[must_use]
     pub fn engine_rpm(&self, speed_mps: f64, gear: usize) -> f64 {
         self.crank_radians_per_m[gear] * speed_mps / RADPS_PER_RPM
     }
 
     /// Returns the engine speed \[rpm\]: below the idle speed the clutch slips or is open.
-    #[must_use]
     pub fn running_rpm(&self, speed_mps: f64, gear: usize) -> f64 {
         self.engine_rpm(speed_mps, gear).max(IDLE_RPM)
     }
 
     /// Returns the torque of the auxiliaries at an engine speed \[N m\].
-    #[must_use]
     pub fn auxiliary_torque_nm(&self, engine_rpm: f64) -> f64 {
         self.parameters.auxiliary_power_w / (engine_rpm.max(AUXILIARY_FLOOR_RPM) * RADPS_PER_RPM)
     }
 
     /// Returns rolling resistance plus slope force \[N\]; `grade` is rise over run.
-    #[must_use]
     pub fn road_resistance_n(&self, grade: f64) -> f64 {
         self.rolling_resistance_n(grade) + self.slope_force_n(grade)
     }
 
     /// Returns the resistance of road and air \[N\].
-    #[must_use]
     pub fn resistance_n(&self, speed_mps: f64, grade: f64) -> f64 {
         self.road_resistance_n(grade) + self.air_drag_n(speed_mps)
     }
@@ -155,7 +138,6 @@ impl Truck {
     }
 
     /// Returns the tractive force of a net torque \[N\] (equation 2).
-    #[must_use]
     pub fn force_n(&self, net_torque_nm: f64, gear: usize) -> f64 {
         let force_n = net_torque_nm * self.crank_radians_per_m[gear];
         if net_torque_nm >= 0.0 {
@@ -167,7 +149,6 @@ impl Truck {
 
     /// Returns the net torque of a tractive force \[N m\], the inverse of
     /// [`force_n`](Self::force_n).
-    #[must_use]
     pub fn net_torque_nm(&self, force_n: f64, gear: usize) -> f64 {
         let torque_nm = force_n / self.crank_radians_per_m[gear];
         if force_n >= 0.0 {
@@ -178,7 +159,6 @@ impl Truck {
     }
 
     /// Returns the net torques with the injection cut and at full load \[N m\].
-    #[must_use]
     pub fn net_torque_limits_nm(&self, speed_mps: f64, gear: usize) -> (f64, f64) {
         let rpm = self.engine_rpm(speed_mps, gear);
         let auxiliary_nm = self.auxiliary_torque_nm(rpm);
@@ -190,7 +170,6 @@ impl Truck {
 
     /// Returns the engine torque for an acceleration \[N m\] (inverse dynamics, equation 6),
     /// without limits.
-    #[must_use]
     pub fn engine_torque_nm(
         &self,
         acceleration_mps2: f64,
@@ -205,7 +184,6 @@ impl Truck {
     }
 
     /// Returns the fuel flow at a net torque with the clutch closed \[g/s\] (equation 5).
-    #[must_use]
     pub fn fuel_gps(&self, speed_mps: f64, gear: usize, net_torque_nm: f64) -> f64 {
         let rpm = self.running_rpm(speed_mps, gear);
         self.engine.fuel_gps(rpm, net_torque_nm + self.auxiliary_torque_nm(rpm))

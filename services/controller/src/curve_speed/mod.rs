@@ -33,11 +33,11 @@
 //! m/s.
 //!
 //! ```
-//! use controller::curve_speed::Settings;
+//! use controller::curve_speed::comfortable_mps;
 //!
-//! let comfort = Settings::default();
-//! assert!((comfort.comfortable_mps(1.0 / 125.0) - 17.0).abs() < 0.1);
-//! assert_eq!(comfort.comfortable_mps(0.0), f64::INFINITY);
+//! let comfort = scenario::controller::Comfort::default();
+//! assert!((comfortable_mps(&comfort, 1.0 / 125.0) - 17.0).abs() < 0.1);
+//! assert_eq!(comfortable_mps(&comfort, 0.0), f64::INFINITY);
 //! ```
 
 mod own_way;
@@ -47,6 +47,7 @@ pub use own_way::OwnWay;
 pub use road::{Cells, Clothoid, RoadAhead};
 
 use crate::law::Input;
+use scenario::controller::{Comfort, CurveSpeed as Keys};
 
 /// Speeds between which the accepted lateral acceleration falls, m/s.
 const SLOW_MPS: f64 = 17.0;
@@ -79,40 +80,21 @@ const BOUND_MPS3: f64 = 2.5;
 /// Bound that no law reaches, m/s².
 const FREE_MPS2: f64 = 10.0;
 
-/// Keys of the curve speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Accepted lateral acceleration up to 17 m/s, m/s².
-    pub slow_mps2: f64,
-    /// The same from 32 m/s on.
-    pub fast_mps2: f64,
-    /// Braking before a curve, m/s².
-    pub braking_mps2: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { slow_mps2: 2.3, fast_mps2: 2.0, braking_mps2: 1.0 }
+/// Speed at which a curvature, 1/m, gives the accepted lateral acceleration, m/s.
+pub fn comfortable_mps(comfort: &Comfort, curvature_perm: f64) -> f64 {
+    let k = curvature_perm.abs();
+    let at = |lateral_mps2: f64| (lateral_mps2 / k).sqrt();
+    let (slow_mps2, fast_mps2) = (comfort.slow.value(), comfort.fast.value());
+    if at(slow_mps2) <= SLOW_MPS {
+        return at(slow_mps2);
     }
-}
-
-impl Settings {
-    /// Speed at which a curvature gives the accepted lateral acceleration, m/s.
-    #[must_use]
-    pub fn comfortable_mps(&self, curvature_perm: f64) -> f64 {
-        let k = curvature_perm.abs();
-        let at = |lateral_mps2: f64| (lateral_mps2 / k).sqrt();
-        if at(self.slow_mps2) <= SLOW_MPS {
-            return at(self.slow_mps2);
-        }
-        if at(self.fast_mps2) >= FAST_MPS {
-            return at(self.fast_mps2);
-        }
-        // k v² = slow - slope (v - 17): the positive root.
-        let slope = (self.slow_mps2 - self.fast_mps2) / (FAST_MPS - SLOW_MPS);
-        let constant = self.slow_mps2 + slope * SLOW_MPS;
-        ((slope * slope + 4.0 * k * constant).sqrt() - slope) / (2.0 * k)
+    if at(fast_mps2) >= FAST_MPS {
+        return at(fast_mps2);
     }
+    // k v² = slow - slope (v - 17): the positive root.
+    let slope = (slow_mps2 - fast_mps2) / (FAST_MPS - SLOW_MPS);
+    let constant = slow_mps2 + slope * SLOW_MPS;
+    ((slope * slope + 4.0 * k * constant).sqrt() - slope) / (2.0 * k)
 }
 
 /// Speed held after a target was lost.
@@ -125,7 +107,9 @@ struct Held {
 /// The caps and their memory.
 #[derive(Clone, Debug)]
 pub struct CurveSpeed {
-    settings: Settings,
+    comfort: Comfort,
+    /// Braking before a curve, m/s².
+    braking_mps2: f64,
     /// The cap; `None` while it is the set speed.
     cap_mps: Option<f64>,
     held: Option<Held>,
@@ -139,10 +123,10 @@ pub struct CurveSpeed {
 
 impl CurveSpeed {
     /// No curve yet.
-    #[must_use]
-    pub fn new(settings: Settings) -> Self {
+    pub fn new(keys: &Keys) -> Self {
         Self {
-            settings,
+            comfort: keys.comfort_mps2,
+            braking_mps2: keys.braking_mps2.value(),
             cap_mps: None,
             held: None,
             target_m: None,
@@ -166,7 +150,7 @@ impl CurveSpeed {
             // A cap above the ego's speed changes nothing: it begins to fall there.
             before => {
                 let from_mps = before.unwrap_or(free_mps.min(speed_mps.max(wanted_mps)));
-                (from_mps - self.settings.braking_mps2 * period_s).max(wanted_mps)
+                (from_mps - self.braking_mps2 * period_s).max(wanted_mps)
             }
         };
         self.cap_mps = (next_mps < free_mps).then_some(next_mps);
@@ -175,7 +159,6 @@ impl CurveSpeed {
     }
 
     /// The law's largest request in a curve, m/s²; infinite elsewhere.
-    #[must_use]
     pub fn most_mps2(&self) -> f64 {
         if self.most_mps2 < FREE_MPS2 { self.most_mps2 } else { f64::INFINITY }
     }
@@ -183,14 +166,13 @@ impl CurveSpeed {
     /// The largest speed from which every curve ahead is reached with its comfortable speed, m/s, and the acceleration
     /// with which the ego reaches it, m/s²; positive infinity if the ego is slow enough.
     fn demand(&self, road: &RoadAhead<'_>, speed_mps: f64) -> (f64, f64) {
-        let Settings { braking_mps2, .. } = self.settings;
         let mut square = f64::INFINITY;
         let (mut needed, mut at_once) = (f64::INFINITY, f64::INFINITY);
         let settle_m = SETTLE_S * speed_mps;
         road.each(|ahead_m, curvature_perm| {
-            let there_mps = self.settings.comfortable_mps(curvature_perm);
+            let there_mps = comfortable_mps(&self.comfort, curvature_perm);
             let way_m = (ahead_m - LEAD_S * speed_mps).max(0.0);
-            square = square.min(there_mps * there_mps + 2.0 * braking_mps2 * way_m);
+            square = square.min(there_mps * there_mps + 2.0 * self.braking_mps2 * way_m);
             if there_mps < speed_mps {
                 let surplus = there_mps * there_mps - speed_mps * speed_mps;
                 let way_m = (ahead_m - RESPONSE_S * speed_mps).max(settle_m);
@@ -226,7 +208,7 @@ impl CurveSpeed {
     ) {
         // Braking that began goes on until the curve needs half of it: the need stays the same while it is met.
         let share = if self.comes_down { 0.5 } else { 1.0 };
-        self.comes_down = needed_mps2 <= -share * self.settings.braking_mps2;
+        self.comes_down = needed_mps2 <= -share * self.braking_mps2;
         let share = (speed_mps - TOTAL_MPS.0) / (TOTAL_MPS.1 - TOTAL_MPS.0);
         let total = TOTAL_MPS2.0 + share.clamp(0.0, 1.0) * (TOTAL_MPS2.1 - TOTAL_MPS2.0);
         let lateral = speed_mps * speed_mps * here_perm.abs();

@@ -23,20 +23,17 @@ pub struct Clothoid {
 pub struct Cells<'a> {
     /// Start of the first cell, m ahead of the ego; negative behind it.
     pub first_m: f64,
-    /// Length of a cell, m.
     pub cell_m: f64,
     /// Curvature of each, 1/m.
     pub curvatures_perm: &'a [f64],
 }
 
-/// Knowledge of the road ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RoadAhead<'a> {
     /// Curvature of the ego's own way, 1/m. It counts where nothing else is known.
     pub own_perm: Option<f64>,
     /// Perception's estimate.
     pub course: Option<Clothoid>,
-    /// The map.
     pub map: Option<Cells<'a>>,
 }
 

@@ -21,17 +21,17 @@ fn own(radius_m: f64) -> RoadAhead<'static> {
 
 #[test]
 fn the_comfortable_speed_is_that_of_the_standard_s_radii() {
-    let comfort = Settings::default();
+    let comfort = Comfort::default();
     for (radius_m, speed_mps) in [(500.0, 31.7), (250.0, 23.3), (125.0, 16.96)] {
-        let found = comfort.comfortable_mps(-1.0 / radius_m);
+        let found = comfortable_mps(&comfort, -1.0 / radius_m);
         assert!((found - speed_mps).abs() < 0.05, "{radius_m}: {found}");
     }
     // Both ends, and no step between.
-    let lateral = |k: f64| k * comfort.comfortable_mps(k) * comfort.comfortable_mps(k);
+    let lateral = |k: f64| k * comfortable_mps(&comfort, k) * comfortable_mps(&comfort, k);
     assert!((lateral(0.05) - 2.3).abs() < 1e-9 && (lateral(1e-4) - 2.0).abs() < 1e-9);
     let mut before = f64::INFINITY;
     for k in 1..1000 {
-        let speed_mps = comfort.comfortable_mps(2e-5 * f64::from(k));
+        let speed_mps = comfortable_mps(&comfort, 2e-5 * f64::from(k));
         assert!(speed_mps < before, "{k}");
         before = speed_mps;
     }
@@ -39,7 +39,7 @@ fn the_comfortable_speed_is_that_of_the_standard_s_radii() {
 
 #[test]
 fn the_cap_falls_from_the_ego_s_speed_and_is_gone_a_second_after_the_curve() {
-    let mut curve = CurveSpeed::new(Settings::default());
+    let mut curve = CurveSpeed::new(&Keys::default());
     let mut time_s = 0.0;
     let mut step = |curve: &mut CurveSpeed, road: &RoadAhead<'_>| {
         let mut input = input(time_s, 25.0, 36.0);
@@ -65,7 +65,7 @@ fn the_cap_falls_from_the_ego_s_speed_and_is_gone_a_second_after_the_curve() {
 
 #[test]
 fn a_slower_ego_is_not_slowed_down_further() {
-    let mut curve = CurveSpeed::new(Settings::default());
+    let mut curve = CurveSpeed::new(&Keys::default());
     for k in 0..200 {
         let mut input = input(0.1 * f64::from(k), 10.0, 36.0);
         curve.cap(&mut input, &own(125.0), 0.0);
@@ -77,7 +77,7 @@ fn a_slower_ego_is_not_slowed_down_further() {
 fn a_target_lost_in_a_curve_holds_the_speed_for_two_seconds() {
     let target = Target { gap_m: 40.0, ..Target::default() };
     let caps = |road: RoadAhead<'_>, found_again: bool| {
-        let mut curve = CurveSpeed::new(Settings::default());
+        let mut curve = CurveSpeed::new(&Keys::default());
         let mut caps = Vec::new();
         for k in 0..40 {
             let time_s = 0.1 * f64::from(k);
@@ -104,7 +104,7 @@ fn a_target_lost_in_a_curve_holds_the_speed_for_two_seconds() {
 #[test]
 fn the_acceleration_is_bounded_in_a_curve_alone() {
     let bound = |radius_m: f64, speed_mps: f64| {
-        let mut curve = CurveSpeed::new(Settings::default());
+        let mut curve = CurveSpeed::new(&Keys::default());
         for k in 0..100 {
             let mut input = input(0.1 * f64::from(k), speed_mps, 36.0);
             curve.cap(&mut input, &own(radius_m), 1.5);
@@ -120,7 +120,7 @@ fn the_acceleration_is_bounded_in_a_curve_alone() {
 
 #[test]
 fn the_bound_moves_with_the_jerk_of_the_standard() {
-    let mut curve = CurveSpeed::new(Settings::default());
+    let mut curve = CurveSpeed::new(&Keys::default());
     let mut before = 1.5;
     for k in 0..60 {
         let radius_m = if k < 30 { 100.0 } else { 1e6 };
@@ -190,7 +190,7 @@ struct Most {
 
 /// A drive along a road. Its driver follows the set speed with a lag of `follows_s`.
 fn drive(road: &Arcs, set_mps: f64, follows_s: f64, knows: Knows) -> Most {
-    let mut curve = CurveSpeed::new(Settings::default());
+    let mut curve = CurveSpeed::new(&Keys::default());
     let (mut place_m, mut speed_mps, mut request) = (0.0, set_mps, 0.0_f64);
     let (mut lateral, mut jerk, mut braking) = (0.0_f64, 0.0_f64, 0.0_f64);
     let end_m = road.0[road.0.len() - 1].0;

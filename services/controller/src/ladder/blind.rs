@@ -49,7 +49,6 @@ fn needed_mps2(last: &LastSeen, ego: &Ego, braking: f64) -> f64 {
     0.5 * ego.speed_mps * ego.speed_mps / lead.room_m(MARGIN_M).max(LEAST_ROOM_M)
 }
 
-/// Deceleration to ask for, m/s².
 pub(super) fn deceleration_mps2(ego: &Ego, last: Option<&LastSeen>) -> f64 {
     let Some(last) = last else { return COMFORTABLE_MPS2 };
     let worst = needed_mps2(last, ego, WORST_MPS2).min(MINIMUM_RISK_MPS2);

@@ -39,13 +39,10 @@ const NOISE_MPS2: f64 = 0.3;
 /// A target as it was when it was last seen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LastSeen {
-    /// The target.
     pub target: Target,
     /// Place of its rear, m.
     pub position_m: f64,
-    /// Its speed, m/s.
     pub speed_mps: f64,
-    /// Time of the sample, s.
     pub time_s: f64,
     /// Time since when it has been the target, s.
     pub since_s: f64,
@@ -96,7 +93,6 @@ impl LastSeen {
     }
 }
 
-/// Memory of the lead.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LeadMemory {
     last: Option<LastSeen>,

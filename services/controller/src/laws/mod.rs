@@ -26,13 +26,11 @@ pub fn driving(is_truck: bool) -> impl Iterator<Item = &'static Descriptor> {
 }
 
 /// The law of that name.
-#[must_use]
 pub fn find(name: &str) -> Option<&'static Descriptor> {
     ALL.iter().copied().find(|law| law.name == name)
 }
 
 /// The tables below `[controller]` that laws read, each once.
-#[must_use]
 pub fn tables() -> Vec<Table> {
     let mut tables: Vec<_> = ALL.iter().filter_map(|law| law.table).collect();
     tables.dedup_by_key(|table| table.name);
@@ -101,26 +99,22 @@ pub fn check(scenario: &Scenario) -> Result<Reads, Problem> {
 }
 
 /// The formulation that a scenario chooses; `None` if this registry does not have its law.
-#[must_use]
 pub fn formulation(scenario: &Scenario) -> Option<&'static Formulation> {
     of(scenario).ok().map(|law| (law.formulation)(&scenario.controller))
 }
 
 /// Names of the figures that the scenario's law puts into `control/diagnostics`.
-#[must_use]
 pub fn figure_names(scenario: &Scenario) -> Vec<&'static str> {
     formulation(scenario).map_or_else(Vec::new, Formulation::figure_names)
 }
 
 /// Names of the modes of the scenario's law.
-#[must_use]
 pub fn mode_names(scenario: &Scenario) -> &'static [&'static str] {
     formulation(scenario).map_or(&[], |formulation| formulation.modes)
 }
 
 /// Gap from which gap errors are measured. It is the scenario's own, else the one at which its law aims, if the
 /// scenario shows it.
-#[must_use]
 pub fn desired_gap(scenario: &Scenario) -> Option<DesiredGap> {
     scenario.referee.desired_gap.or_else(|| match of(scenario).ok()?.gap {
         GapPolicy::Scenario(gap) => Some(gap(scenario)),
@@ -129,7 +123,6 @@ pub fn desired_gap(scenario: &Scenario) -> Option<DesiredGap> {
 }
 
 /// The place among the law's figures of gap minus desired gap, if only the law has it.
-#[must_use]
 pub fn gap_error_figure(scenario: &Scenario) -> Option<usize> {
     match of(scenario).ok()?.gap {
         GapPolicy::Figure(name) => formulation(scenario)?.figure(name),

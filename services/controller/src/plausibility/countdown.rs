@@ -95,7 +95,6 @@ struct Evidence {
 
 impl Countdown {
     /// Nothing known yet, of units whose clocks may differ by `clocks_s` from the vehicle's.
-    #[must_use]
     pub fn new(clocks_s: f64) -> Self {
         Self {
             known: [None; REMEMBERED],

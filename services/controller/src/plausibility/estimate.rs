@@ -14,7 +14,6 @@ const STALE_S: f64 = 0.3;
 /// Lag of the vehicle behind its commands, s.
 const LAG_S: f64 = 0.5;
 
-/// The estimate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EgoEstimate {
     /// The motion, as a message from this time.

@@ -104,7 +104,6 @@ impl Findings {
     }
 
     /// Report of the run: the checks that found a contradiction, and how near the others came.
-    #[must_use]
     pub fn report(&self) -> Vec<CheckReport> {
         let report = |(name, finding): (&str, &Finding)| CheckReport {
             check: name.to_owned(),
@@ -116,7 +115,6 @@ impl Findings {
     }
 
     /// The finding of a check.
-    #[must_use]
     pub fn of(&self, check: Check) -> &Finding {
         &self.of[check as usize]
     }
@@ -146,7 +144,6 @@ pub struct Plausibility {
 
 impl Plausibility {
     /// Nothing seen yet, with the radar and the clocks of a scenario.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         let (model, keys) = (scenario.perception.model(), &scenario.perception.radar);
         let range_sigma_m =
@@ -154,7 +151,7 @@ impl Plausibility {
         let clocks_s = Setting::of(scenario, false).clock_tolerance_s;
         Self {
             motion: motion::Motion::default(),
-            radar: radar::Radar::new(model != RadarModel::Ideal).with_noise(range_sigma_m),
+            radar: radar::Radar::new(model != RadarModel::Ideal, range_sigma_m),
             countdown: countdown::Countdown::new(clocks_s),
             findings: Findings::default(),
         }
@@ -181,7 +178,6 @@ impl Plausibility {
     }
 
     /// Findings of the checks so far.
-    #[must_use]
     pub fn findings(&self) -> &Findings {
         &self.findings
     }

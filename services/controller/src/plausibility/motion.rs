@@ -153,9 +153,8 @@ impl Motion {
 /// A queue that crawls beside the ego fills the scan with detections of one speed. The measurement is then the ego's
 /// speed minus the queue's. No vehicle makes it greater, since a queue does not drive backwards.
 fn queue_moves_so(radar: &RadarTracks, measured_mps: f64, odometry_mps: f64) -> bool {
-    let count = usize::try_from(radar.count).map_or(0, |count| count.min(radar.tracks.len()));
     measured_mps < odometry_mps
-        && radar.tracks[..count].iter().any(|track| {
+        && radar.listed().iter().any(|track| {
             let cosine = libm::cos(track.azimuth_rad).max(0.5);
             (track.range_rate_mps / cosine + measured_mps).abs() < QUEUE_MPS
         })

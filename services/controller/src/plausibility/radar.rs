@@ -22,7 +22,7 @@
 //! and a speed that is off by 1 m/s are not found.
 
 use super::{Check, Findings};
-use messages::{Header, Odometry, RadarTracks, Track};
+use messages::{Header, Odometry, RadarTracks};
 use parameters::{Varied, parameters};
 
 parameters! {
@@ -72,7 +72,6 @@ parameters! {
     }
 }
 
-/// The limits in use.
 pub static LIMITS: Varied<Limits> = Varied::new(Limits::DEFAULT);
 
 /// Compares each scan with the one before, and the target with its track.
@@ -113,12 +112,11 @@ struct Measured {
 }
 
 impl Radar {
-    /// Nothing seen yet. `noisy` of a radar whose figures have noise.
-    #[must_use]
-    pub fn new(noisy: bool) -> Self {
+    /// Nothing seen yet. `noisy` of a radar whose figures have noise, with the deviation of a single range, m.
+    pub fn new(noisy: bool, range_sigma_m: f64) -> Self {
         Self {
             noisy,
-            range_sigma_m: 0.0,
+            range_sigma_m,
             last: Box::new(bytemuck::Zeroable::zeroed()),
             has_seen: false,
             repeated: 0,
@@ -127,12 +125,6 @@ impl Radar {
             contradicted: false,
             corrected: Box::new(bytemuck::Zeroable::zeroed()),
         }
-    }
-
-    /// The same for ranges with a standard deviation of `range_sigma_m`.
-    #[must_use]
-    pub fn with_noise(self, range_sigma_m: f64) -> Self {
-        Self { range_sigma_m, ..self }
     }
 
     /// Takes the newest scan and the newest odometry. Returns the scan, or `None` if it is not valid. A target that
@@ -245,7 +237,7 @@ impl Measured {
     /// The measurement behind the target of a scan, or the target itself where no track is named.
     fn of(sample: &RadarTracks) -> Option<Self> {
         let target = Some(&sample.target).filter(|target| target.valid != 0)?;
-        let track = in_path(sample);
+        let track = sample.listed().iter().find(|track| track.in_path != 0);
         let (range_m, range_rate_mps) = track
             .map_or((target.gap_m, target.relative_speed_mps), |t| (t.range_m, t.range_rate_mps));
         Some(Self {
@@ -261,9 +253,4 @@ impl Measured {
 /// Content of a scan, behind its header.
 fn content(scan: &RadarTracks) -> &[u8] {
     &bytemuck::bytes_of(scan)[size_of::<Header>()..]
-}
-
-fn in_path(sample: &RadarTracks) -> Option<Track> {
-    let count = usize::try_from(sample.count).map_or(0, |count| count.min(sample.tracks.len()));
-    sample.tracks[..count].iter().find(|track| track.in_path != 0).copied()
 }

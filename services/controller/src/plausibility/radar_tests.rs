@@ -28,7 +28,7 @@ struct Checked(Radar, Findings);
 
 impl Checked {
     fn new(noisy: bool) -> Self {
-        Self(Radar::new(noisy), Findings::default())
+        Self(Radar::new(noisy, 0.0), Findings::default())
     }
 
     fn believes_at(&mut self, scan: &RadarTracks, ego_mps: f64) -> bool {

@@ -233,7 +233,7 @@ fn an_older_or_the_same_sample_changes_nothing() {
 
 /// Findings of scans of a radar with noise or without, each with the ego's odometry.
 fn of_radar(is_noisy: bool, scans: &[(RadarTracks, Odometry)]) -> (Vec<bool>, Findings) {
-    let (mut radar, mut findings) = (Radar::new(is_noisy), Findings::default());
+    let (mut radar, mut findings) = (Radar::new(is_noisy, 0.0), Findings::default());
     let believed =
         scans.iter().map(|(scan, ego)| radar.look(scan, Some(ego), 0.0, &mut findings).is_some());
     (believed.collect(), findings)
@@ -327,7 +327,7 @@ fn a_range_that_drifts_is_not_used_and_is_again_soon_after() {
 fn a_target_is_compared_with_its_settled_track() {
     let check = Check::TargetAgainstTrack;
     let of_target = |scans: u32, off_m: f64, off_mps: f64| {
-        let (mut radar, mut findings) = (Radar::new(false), Findings::default());
+        let (mut radar, mut findings) = (Radar::new(false, 0.0), Findings::default());
         let mut last = None;
         for k in 0..scans {
             let mut scan = scan(0.1 * f64::from(k), 50.0, 0.0);
@@ -357,7 +357,7 @@ fn a_target_is_compared_with_its_settled_track() {
 #[test]
 fn a_target_whose_track_jumps_or_is_missing_is_left_as_it_is() {
     let target_of = |change: &dyn Fn(&mut RadarTracks)| {
-        let (mut radar, mut findings) = (Radar::new(false), Findings::default());
+        let (mut radar, mut findings) = (Radar::new(false, 0.0), Findings::default());
         let mut gap_m = 0.0;
         for k in 0..8 {
             let mut scan = scan(0.1 * f64::from(k), 50.0, 0.0);

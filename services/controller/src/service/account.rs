@@ -26,7 +26,6 @@ pub struct Account {
     pub relaxed: u64,
     /// Cycles in which the backup drove.
     pub backup: u64,
-    /// Levels of the ladder.
     pub levels: LevelLog,
     mode: Option<u32>,
     changes: Vec<Change>,
@@ -45,7 +44,6 @@ impl Account {
         }
     }
 
-    /// Counts a cycle.
     pub fn count(&mut self, time_s: f64, output: &Output, level: Level) {
         match output.quality {
             Quality::Full => {}

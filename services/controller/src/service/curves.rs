@@ -1,6 +1,6 @@
 //! The topics of a road with a plan, and the speed in its curves.
 
-use crate::curve_speed::{Cells, Clothoid, CurveSpeed, OwnWay, RoadAhead, Settings};
+use crate::curve_speed::{Cells, Clothoid, CurveSpeed, OwnWay, RoadAhead};
 use crate::law::Input;
 use messages::{Course, Curves, LateralMotion, MAX_CURVE_CELLS, Origin};
 use runtime::{Runtime, RuntimeError, Subscriber};
@@ -34,11 +34,6 @@ impl CurveTopics {
         if scenario.road.plan().is_none() || !keys.enabled {
             return Ok(None);
         }
-        let settings = Settings {
-            slow_mps2: keys.comfort_mps2.slow.value(),
-            fast_mps2: keys.comfort_mps2.fast.value(),
-            braking_mps2: keys.braking_mps2.value(),
-        };
         Ok(Some(Self {
             lateral: runtime.subscriber()?,
             course: runtime.subscriber()?,
@@ -46,8 +41,8 @@ impl CurveTopics {
             stale_s: STALE_PERIODS * f64::from(scenario.perception.period_ms.value()) / 1e3
                 + f64::from(scenario.perception.radar.latency_ms.value()) / 1e3,
             own: OwnWay::default(),
-            speed: CurveSpeed::new(settings),
-            limits: scenario.traffic.route.clone().map(|route| (route, settings.braking_mps2)),
+            speed: CurveSpeed::new(keys),
+            limits: scenario.traffic.route.clone().zip(Some(keys.braking_mps2.value())),
         }))
     }
 

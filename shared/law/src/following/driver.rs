@@ -58,11 +58,8 @@ pub struct Driver {
 /// Something ahead that it must not reach: a vehicle or a closed stop line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
-    /// Distance to it, m.
     pub gap_m: f64,
-    /// Its speed, m/s.
     pub speed_mps: f64,
-    /// Its acceleration, m/s².
     pub acceleration_mps2: f64,
     /// Time headway kept to it, s.
     pub headway_s: f64,
@@ -84,7 +81,6 @@ impl Obstacle {
 impl Driver {
     /// Acceleration with nothing ahead, m/s².
     #[inline]
-    #[must_use]
     pub fn free_mps2(&self, speed_mps: f64, desired_mps: f64) -> f64 {
         let (v, v0) = (speed_mps.max(0.0), desired_mps.max(0.1));
         if v <= v0 {
@@ -96,7 +92,6 @@ impl Driver {
     }
 
     /// Acceleration behind `obstacle`, m/s².
-    #[must_use]
     pub fn follow_mps2(&self, speed_mps: f64, desired_mps: f64, obstacle: &Obstacle) -> f64 {
         let free = self.free_mps2(speed_mps, desired_mps);
         self.follow_below_mps2(free, speed_mps, desired_mps, obstacle)
@@ -104,7 +99,6 @@ impl Driver {
 
     /// The same where [`Self::free_mps2`] at these speeds is known.
     #[inline]
-    #[must_use]
     pub fn follow_below_mps2(
         &self,
         free: f64,

@@ -17,11 +17,8 @@
 /// Position, speed and acceleration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Position, m.
     pub position_m: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
-    /// Acceleration, m/s².
     pub acceleration_mps2: f64,
 }
 
@@ -45,7 +42,6 @@ pub struct Lag {
 /// `p+ = p + T v + position[0] a + position[1] u` and likewise for speed and acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LagStep {
-    /// Length of the step, s.
     pub step_s: f64,
     /// Coefficients of `a` and `u` in the position's change, s².
     pub position: [f64; 2],
@@ -57,7 +53,6 @@ pub struct LagStep {
 
 impl Lag {
     /// The exact step of length `step_s`.
-    #[must_use]
     pub fn discretise(self, step_s: f64) -> LagStep {
         let (tau, t) = (self.tau_s, step_s);
         let decay = libm::exp(-t / tau);
@@ -72,7 +67,6 @@ impl Lag {
     }
 
     /// Stop under a constant request; `request_mps2` must be negative.
-    #[must_use]
     pub fn stop(self, from: Motion, request_mps2: f64) -> Stop {
         let (v0, u, tau) = (from.speed_mps.max(0.0), request_mps2, self.tau_s);
         let a0 = from.acceleration_mps2;
@@ -102,7 +96,6 @@ impl Lag {
 
 impl LagStep {
     /// One step on; the vehicle stops rather than reverse.
-    #[must_use]
     pub fn advance(&self, from: Motion, request_mps2: f64) -> Motion {
         let (v, a, u) = (from.speed_mps, from.acceleration_mps2, request_mps2);
         let speed = v + self.speed[0] * a + self.speed[1] * u;

@@ -22,15 +22,15 @@ pub enum Signals {
 }
 
 parameters! {
-    /// Settings of `acc-mpc` and `cacc-mpc`. The numbers have the defaults of the scenario's keys.
+    /// Settings of `acc-mpc` and `cacc-mpc`. The numbers have the names and the defaults of the scenario's keys.
     #[derive(Copy)]
     pub struct Config {
         /// Steps of the prediction, `N`.
-        horizon_steps: usize = 100, "1", 10.0..=128.0, "The scenario's key.";
+        horizon: usize = 100, "1", 10.0..=128.0, "The scenario's key.";
         /// Step of the prediction, `T`, s.
         step_s: f64 = 0.1, "s", 0.01..=0.5, "The scenario's key.";
         /// Lag of the vehicle's acceleration behind the request, `tau`, s.
-        actuator_lag_s: f64 = 0.5, "s", 0.05..=5.0, "The scenario's key.";
+        model_time_constant_s: f64 = 0.5, "s", 0.05..=5.0, "The scenario's key.";
         /// Smallest request, m/s².
         min_request_mps2: f64 = -4.9, "m/s²", -12.0..=-0.5, "The scenario's key.";
         /// Largest request, m/s².
@@ -38,7 +38,7 @@ parameters! {
         /// Time headway `t_h`, s.
         time_headway_s: f64 = 1.5, "s", 0.3..=5.0, "The scenario's key.";
         /// Buffer `d_b`: the desired gap at standstill under the paper's spacing policies, m.
-        buffer_m: f64 = 12.0, "m", 0.5..=50.0, "The paper's.";
+        standstill_distance_m: f64 = 12.0, "m", 0.5..=50.0, "The paper's.";
         others {
             /// Form of the desired distance, and with it the formulation.
             spacing_policy: SpacingPolicy = SpacingPolicy::ConstantTimeHeadway;
@@ -58,9 +58,6 @@ const _: () = assert!(MAX_PLAN == 128, "the longest horizon fits a plan");
 
 impl Config {
     /// The settings of a scenario, in the formulation that its spacing policy chooses.
-    ///
-    /// # Errors
-    /// The place of the first wrong key of the law's table.
     pub fn of(reader: &Reader<'_>, signals: Signals) -> Result<Self, Problem> {
         match key!(reader, spacing_policy) {
             SpacingPolicy::ConstantTimeHeadway => {
@@ -101,9 +98,6 @@ impl Config {
     }
 
     /// The settings of the formulation for the road.
-    ///
-    /// # Errors
-    /// The place of the first wrong key of the law's table.
     pub fn of_road(reader: &Reader<'_>) -> Result<Self, Problem> {
         let road = reader.table(TABLE.name)?;
         Ok(Self { road, ..Self::shared(reader) }.at_standstill())
@@ -111,7 +105,10 @@ impl Config {
 
     /// The same with one gap at standstill for both formulations.
     fn at_standstill(self) -> Self {
-        Self { road: RoadConfig { standstill_gap_m: self.buffer_m, ..self.road }, ..self }
+        Self {
+            road: RoadConfig { standstill_gap_m: self.standstill_distance_m, ..self.road },
+            ..self
+        }
     }
 
     /// The settings that all formulations have.
@@ -119,13 +116,13 @@ impl Config {
         let step = reader.key("prediction_step_ms", Controller::prediction_step);
         Self {
             solver: key!(reader, solver),
-            horizon_steps: key!(reader, horizon).value().into(),
+            horizon: key!(reader, horizon).value().into(),
             step_s: f64::from(step.value()) / 1e3,
-            actuator_lag_s: key!(reader, model_time_constant_s).value(),
+            model_time_constant_s: key!(reader, model_time_constant_s).value(),
             min_request_mps2: key!(reader, min_request_mps2).value(),
             max_request_mps2: key!(reader, max_request_mps2).value(),
             time_headway_s: key!(reader, time_headway_s).value(),
-            buffer_m: key!(reader, standstill_distance_m).value(),
+            standstill_distance_m: key!(reader, standstill_distance_m).value(),
             ..Self::default()
         }
     }
@@ -139,40 +136,32 @@ impl Config {
         }
     }
 
-    /// The solver that is asked for.
-    #[must_use]
     pub fn create_solver(&self) -> Box<dyn Solver + Send> {
         let kind = match self.solver {
             SolverName::Riccati => Kind::Riccati,
             SolverName::Clarabel => Kind::Clarabel,
         };
-        kind.create(self.horizon_steps)
+        kind.create(self.horizon)
     }
 
     /// Checks every setting.
-    ///
-    /// # Errors
-    /// The first key that is not usable.
     pub fn check(&self) -> Result<(), SettingError> {
         Number::of("", self).iter().try_for_each(Number::check)?;
-        below("step_s", self.step_s, "actuator_lag_s", self.actuator_lag_s)?;
+        below("step_s", self.step_s, "model_time_constant_s", self.model_time_constant_s)?;
         self.weights.check()?;
         self.road.check_within(self.min_request_mps2, self.max_request_mps2)
     }
 
     /// An error in the words and units of the scenario's keys below `controller`.
-    #[must_use]
     pub fn in_scenario(error: SettingError, controller: &Controller) -> SettingError {
-        let error = if error.key() == "step_s" { error.in_ms() } else { error };
-        error.renamed(|key| match key {
-            "horizon_steps" => "horizon",
-            "step_s" if controller.prediction_step_ms.is_some() => "prediction_step_ms",
+        match error.key() {
+            "step_s" if controller.prediction_step_ms.is_some() => {
+                error.in_ms("prediction_step_ms")
+            }
             // Without a step of its own the prediction has the controller's.
-            "step_s" => "period_ms",
-            "actuator_lag_s" => "model_time_constant_s",
-            "buffer_m" | "road.standstill_gap_m" => "standstill_distance_m",
-            other => other,
-        })
+            "step_s" => error.in_ms("period_ms"),
+            _ => error,
+        }
     }
 }
 
@@ -209,21 +198,21 @@ mod tests {
             let config = Config::of_road(&Reader::new(&scenario)).expect("the defaults");
             assert!(config.step_s <= 0.5, "{period_ms:?}: {}", config.step_s);
         }
-        let long = said(Config { horizon_steps: 1000, ..Config::default() });
+        let long = said(Config { horizon: 1000, ..Config::default() });
         assert_eq!(long, "horizon = 1000 is out of range, expected a number from 10 to 128");
-        let beyond = said(Config { step_s: 0.4, actuator_lag_s: 0.3, ..Config::default() });
+        let beyond = said(Config { step_s: 0.4, model_time_constant_s: 0.3, ..Config::default() });
         let expected =
             "period_ms = 400 is too large, expected a number below model_time_constant_s (300)";
         assert_eq!(beyond, expected);
-        let small = said(Config { actuator_lag_s: 1e-9, ..Config::default() });
+        let small = said(Config { model_time_constant_s: 1e-9, ..Config::default() });
         assert!(small.starts_with("model_time_constant_s = 0.000000001 is"), "{small}");
     }
 
     #[test]
     fn a_value_that_is_not_a_number_or_contradicts_is_refused() {
-        let nan = Config { actuator_lag_s: f64::NAN, ..Config::default() };
-        assert_eq!(nan.check().expect_err("NaN").key(), "actuator_lag_s");
-        let slow = Config { step_s: 0.4, actuator_lag_s: 0.3, ..Config::default() };
+        let nan = Config { model_time_constant_s: f64::NAN, ..Config::default() };
+        assert_eq!(nan.check().expect_err("NaN").key(), "model_time_constant_s");
+        let slow = Config { step_s: 0.4, model_time_constant_s: 0.3, ..Config::default() };
         assert_eq!(slow.check().expect_err("a step beyond the lag").key(), "step_s");
         let weights = Weights { request_s4_per_m2: 0.0, ..JOINT };
         let free = Config { weights, ..Config::default() };

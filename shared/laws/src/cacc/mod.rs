@@ -74,9 +74,6 @@ pub enum BuildError {
 }
 
 /// Builds a law from its settings; the spacing policy picks the formulation.
-///
-/// # Errors
-/// [`BuildError`] when a setting is out of range or the weights make no convex program.
 pub fn build(signals: Signals, config: &Config) -> Result<Box<dyn Law + Send>, BuildError> {
     config.check()?;
     let uses_light = signals == Signals::Used;

@@ -28,10 +28,10 @@
 //! | symbol | here | unit |
 //! |---|---|---|
 //! | `T` | [`Config::step_s`] | s |
-//! | `tau` | [`Config::actuator_lag_s`] | s |
-//! | `t_h`, `d_b` | [`Config::time_headway_s`], [`Config::buffer_m`] | s, m |
+//! | `tau` | [`Config::model_time_constant_s`] | s |
+//! | `t_h`, `d_b` | [`Config::time_headway_s`], [`Config::standstill_distance_m`] | s, m |
 //! | `Q`, `R`, `w`, `d_th` | [`Config::weights`] | see there |
-//! | `N` | [`Config::horizon_steps`] | 1 |
+//! | `N` | [`Config::horizon`] | 1 |
 //! | `R` (gap), `d_l`, `t_l` | [`law::Input`] | m, m, s |
 
 use mpc_solver::{
@@ -107,10 +107,6 @@ struct ActiveLight {
 
 impl PaperLaw {
     /// Builds the law with its programs; `uses_light` makes it `cacc-mpc`.
-    ///
-    /// # Errors
-    /// [`ProblemError`] when the settings do not make a convex program; a validated configuration
-    /// always does.
     pub fn new(
         config: &Config,
         uses_light: bool,
@@ -168,7 +164,8 @@ impl PaperLaw {
     /// `E_0`; freezes the desired distance the first time.
     fn error(&mut self, input: &Input, target: &Target) -> [f64; 3] {
         let ego = &input.ego;
-        let measured = self.config.time_headway_s * ego.speed_mps + self.config.buffer_m;
+        let measured =
+            self.config.time_headway_s * ego.speed_mps + self.config.standstill_distance_m;
         let desired = match self.config.spacing_policy {
             SpacingPolicy::ConstantDistance => *self.state.frozen_m.get_or_insert(measured),
             SpacingPolicy::MeasuredHeadway | SpacingPolicy::ConstantTimeHeadway => measured,
@@ -189,7 +186,7 @@ impl PaperLaw {
             speed_mps: speed + target.relative_speed_mps,
             acceleration_mps2: target.acceleration_mps2,
             headway_s: self.config.time_headway_s,
-            standstill_m: self.config.buffer_m,
+            standstill_m: self.config.standstill_distance_m,
         };
         driver.follow_mps2(speed, desired, &lead)
     }
@@ -198,7 +195,7 @@ impl PaperLaw {
     /// speed `v + a tau` with `tau` = 0.5 s. Once that reaches the set speed,
     /// `u <= (v_set - v - a tau) / 1 s`.
     fn cap_by_set_speed(&self, input: &Input, output: &mut Output) {
-        let share = input.period_s / self.config.actuator_lag_s;
+        let share = input.period_s / self.config.model_time_constant_s;
         let (mut v, mut a) = (input.ego.speed_mps, input.ego.acceleration_mps2);
         for request in &mut output.plan_mps2[..output.plan_len] {
             if v + 0.5 * a >= input.set_speed_mps {
@@ -321,24 +318,24 @@ fn light_stages(
     let h = v_lead * switch - light.distance_m - error[0];
     let last = match config.light_stages {
         LightStages::BeforeSwitch => ((switch - SWITCH_S) / step) as usize,
-        LightStages::All => config.horizon_steps,
+        LightStages::All => config.horizon,
     };
-    (1..=last.min(config.horizon_steps)).map(move |k| {
+    (1..=last.min(config.horizon)).map(move |k| {
         let t = switch - k as f64 * step;
         LightStage { gradient: [sign, sign * t, sign * 0.5 * t * t], offset: sign * h }
     })
 }
 
 fn problem(config: &Config, program: Program) -> Result<Problem, ProblemError> {
-    let (n, t, weights) = (config.horizon_steps, config.step_s, &config.weights);
-    let c = t / config.actuator_lag_s;
+    let (n, t, weights) = (config.horizon, config.step_s, &config.weights);
+    let c = t / config.model_time_constant_s;
     let q =
         [weights.gap_error_per_m2, weights.speed_error_s2_per_m2, weights.acceleration_s4_per_m2];
     let mut buffer = Row {
         gradient: [1.0, 0.0, 0.0],
         from: 1,
         to: n - 1,
-        limit: config.buffer_m,
+        limit: config.standstill_distance_m,
         softness: Softness::Hard,
     };
     let mut builder = Problem::builder(n)
@@ -349,7 +346,7 @@ fn problem(config: &Config, program: Program) -> Result<Problem, ProblemError> {
     if program == Program::Softened {
         buffer.from = 3;
         // Dearer than any error within the buffer is to the following cost.
-        let linear = 10.0 * (q[0] + q[1]).max(1.0) * config.buffer_m;
+        let linear = 10.0 * (q[0] + q[1]).max(1.0) * config.standstill_distance_m;
         buffer.softness = Softness::Soft { linear, quadratic: 0.0 };
         builder = builder.terminal_weights([100.0 * q[0] + 1.0, 100.0 * q[1] + 1.0, q[2] + 1.0]);
     } else {

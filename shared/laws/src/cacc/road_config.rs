@@ -62,12 +62,9 @@ impl Settings for RoadConfig {}
 impl RoadConfig {
     /// Checks every setting, those included that depend on the bounds of the request. Keys are
     /// relative to `controller`.
-    ///
-    /// # Errors
-    /// The first key that is not usable.
     pub fn check_within(&self, min_mps2: f64, max_mps2: f64) -> Result<(), SettingError> {
         let (standstill_m, comfort_mps2) = (self.standstill_gap_m, self.comfort_deceleration_mps2);
-        within("road.standstill_gap_m", standstill_m, 1.0, 50.0)?;
+        within("standstill_distance_m", standstill_m, 1.0, 50.0)?;
         within("road.min_gap_m", self.min_gap_m, 0.1, standstill_m)?;
         within("road.acceleration_mps2", self.acceleration_mps2, 0.2, max_mps2)?;
         within("road.comfort_deceleration_mps2", comfort_mps2, 0.5, -min_mps2)?;

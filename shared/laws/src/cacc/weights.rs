@@ -39,7 +39,6 @@ parameters! {
 pub const JOINT: Weights = Weights::DEFAULT;
 
 /// A set with `R` = 1, from `Q1`, `Q2`, `Q3`, `w` and `d_th`.
-#[must_use]
 pub const fn set(q1: f64, q2: f64, q3: f64, w: f64, d_th: f64) -> Weights {
     Weights {
         gap_error_per_m2: q1,
@@ -53,9 +52,6 @@ pub const fn set(q1: f64, q2: f64, q3: f64, w: f64, d_th: f64) -> Weights {
 
 impl Weights {
     /// Checks that the cost is convex and finite.
-    ///
-    /// # Errors
-    /// The first key that is not finite or has the wrong sign.
     pub fn check(&self) -> Result<(), SettingError> {
         Number::of("weights.", self).iter().try_for_each(Number::check)
     }

@@ -16,7 +16,6 @@
 //! The blend of the rules is covered too. B, C and D are common, so z+ is the same blend of the rules' results, and V
 //! is convex. Within the ellipsoid |c z| <= sqrt(c P^-1 c'), which bounds every index.
 
-use super::design::Design;
 use super::error::{Condition, Failure};
 use super::model::{DISTURBANCES, Parameters, RULES, STATES, State, StateMatrix};
 use nalgebra::{SMatrix, SVector};
@@ -78,6 +77,18 @@ pub struct Gains {
     pub fx: State,
     /// Fy, as a column.
     pub fy: State,
+}
+
+/// A design whose certificate has been verified: there is no other way to have one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    pub(super) content: Content,
+    pub(super) p: ClosedMatrix,
+    /// xc = reset x minimises V over xc (it is U' X^-1).
+    pub(super) reset: StateMatrix,
+    /// X^-1, the Schur complement of P: V with the best xc is x' X^-1 x.
+    pub(super) x_inverse: StateMatrix,
+    pub(super) rules: [Gains; RULES],
 }
 
 /// Checks every condition; the first that fails is the error.

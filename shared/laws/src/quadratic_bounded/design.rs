@@ -1,6 +1,6 @@
 //! A design as a data file, and its verification on loading.
 
-use super::certificate::{self, ClosedMatrix, ClosedState, Content, Gains};
+use super::certificate::{self, ClosedMatrix, ClosedState, Content, Design, Gains};
 use super::error::{DesignError, FORMAT, LARGEST};
 use super::model::{Parameters, RULES, StateMatrix};
 use serde::{Deserialize, Serialize};
@@ -17,18 +17,6 @@ struct File {
     design: Content,
     /// FNV-1a over the compact JSON text of `design`, 16 hexadecimal digits.
     digest: String,
-}
-
-/// A design whose certificate has been verified: there is no other way to have one.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Design {
-    pub(super) content: Content,
-    pub(super) p: ClosedMatrix,
-    /// xc = reset x minimises V over xc (it is U' X^-1).
-    pub(super) reset: StateMatrix,
-    /// X^-1, the Schur complement of P: V with the best xc is x' X^-1 x.
-    pub(super) x_inverse: StateMatrix,
-    pub(super) rules: [Gains; RULES],
 }
 
 impl Design {
@@ -64,7 +52,6 @@ impl Design {
     }
 
     /// The design that comes with the law.
-    #[must_use]
     pub fn shipped() -> Self {
         Self::load(SHIPPED).expect("the shipped file is verified by the tests")
     }
@@ -79,7 +66,6 @@ impl Design {
     }
 
     /// The file's text, which [`Design::load`] reads back to an equal design.
-    #[must_use]
     pub fn to_json(&self) -> String {
         let file = File {
             format: FORMAT.to_owned(),
@@ -92,37 +78,31 @@ impl Design {
     }
 
     /// Conditions for which the design is made.
-    #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.content.parameters
     }
 
     /// Gains of each rule.
-    #[must_use]
     pub fn rules(&self) -> &[Gains; RULES] {
         &self.rules
     }
 
     /// P of the ellipsoid V = z' P z <= 1, z = [x; xc].
-    #[must_use]
     pub fn p(&self) -> &ClosedMatrix {
         &self.p
     }
 
     /// The matrix of the best controller state: xc = reset x makes V least.
-    #[must_use]
     pub fn reset(&self) -> &StateMatrix {
         &self.reset
     }
 
     /// X^-1: V = x' X^-1 x just after a reset.
-    #[must_use]
     pub fn x_inverse(&self) -> &StateMatrix {
         &self.x_inverse
     }
 
     /// V = z' P z.
-    #[must_use]
     pub fn lyapunov(&self, z: &ClosedState) -> f64 {
         (z.transpose() * self.p * z)[(0, 0)]
     }

@@ -38,7 +38,6 @@ pub(super) struct State {
     pub(super) excess: f64,
     /// The same from a reset controller state.
     pub(super) excess_after_reset: f64,
-    /// Speed of the ego, m/s.
     pub(super) speed_mps: f64,
     /// Speed of the lead, m/s, infinite without one.
     pub(super) lead_mps: f64,

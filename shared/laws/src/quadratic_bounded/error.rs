@@ -10,7 +10,6 @@ pub(super) const FORMAT: &str = "timegap quadratic-bounded design 1";
 
 /// The conditions of a certificate, in the words of its errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[expect(missing_docs, reason = "the words describe them")]
 pub enum Condition {
     #[error("P is symmetric")]
     Symmetric,
@@ -43,13 +42,11 @@ pub enum Condition {
     rule.map_or_else(String::new, |rule| format!(", rule {rule}"))
 )]
 pub struct Failure {
-    /// Condition.
     pub condition: Condition,
     /// Number of the rule, 1 or 2, where the condition is one of a rule.
     pub rule: Option<usize>,
     /// Found value: that of the index, or the least scaled pivot.
     pub value: f64,
-    /// Limit for it.
     pub bound: f64,
 }
 

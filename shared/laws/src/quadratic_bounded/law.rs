@@ -1,7 +1,6 @@
 //! The law: increments, virtual lead, the smaller of two, and the envelope.
 
-use super::certificate::{ClosedState, extended};
-use super::design::Design;
+use super::certificate::{ClosedState, Design, extended};
 use super::envelope::{self, Envelope};
 use super::model::State;
 use super::printed;
@@ -52,7 +51,6 @@ impl Candidate {
     }
 }
 
-/// The quadratic-bounded law.
 #[derive(Clone, Debug)]
 pub struct QuadraticBounded {
     design: Design,
@@ -81,22 +79,17 @@ struct Memory {
 
 impl QuadraticBounded {
     /// A law with a verified design.
-    ///
-    /// # Errors
-    /// The setting that is not usable.
     pub fn new(design: Design, settings: Settings) -> Result<Self, SettingError> {
         settings::Settings::check(&settings)?;
         Ok(Self { design, settings, memory: Memory::default() })
     }
 
     /// The design behind the law.
-    #[must_use]
     pub fn design(&self) -> &Design {
         &self.design
     }
 
     /// Lead of the last update.
-    #[must_use]
     pub fn mode(&self) -> Option<Mode> {
         self.memory.mode
     }

@@ -83,8 +83,9 @@ mod model;
 mod printed;
 mod settings;
 
-pub use certificate::{ClosedMatrix, ClosedState, Content, Gains, RuleContent, closed_loop};
-pub use design::Design;
+pub use certificate::{
+    ClosedMatrix, ClosedState, Content, Design, Gains, RuleContent, closed_loop,
+};
 pub use error::{Condition, DesignError, Failure};
 pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};

@@ -68,9 +68,6 @@ parameters! {
 
 impl Parameters {
     /// Checks every value.
-    ///
-    /// # Errors
-    /// The first key that is not usable.
     pub fn check(&self) -> Result<(), SettingError> {
         Number::of("", self).iter().try_for_each(Number::check)?;
         within("greatest_speed_mps", self.greatest_speed_mps, self.least_speed_mps + 1e-3, 150.0)?;
@@ -79,19 +76,16 @@ impl Parameters {
     }
 
     /// d_des(v) = c0 + c1 v + c2 v², m.
-    #[must_use]
     pub fn desired_gap_m(&self, speed: f64) -> f64 {
         self.gap_constant_m + (self.gap_slope_s + self.gap_curvature_s2pm * speed) * speed
     }
 
     /// rho(v) = c1 + 2 c2 v, the derivative of the desired gap, s.
-    #[must_use]
     pub fn gap_derivative_s(&self, speed: f64) -> f64 {
         self.gap_slope_s + 2.0 * self.gap_curvature_s2pm * speed
     }
 
     /// h1, h2: how much each rule holds at a speed; not negative, sum 1.
-    #[must_use]
     pub fn memberships(&self, speed: f64) -> [f64; RULES] {
         let h1 =
             (self.greatest_speed_mps - speed) / (self.greatest_speed_mps - self.least_speed_mps);
@@ -100,13 +94,11 @@ impl Parameters {
     }
 
     /// rho_i: the derivative of the desired gap at the speed of each rule, s.
-    #[must_use]
     pub fn rule_derivatives_s(&self) -> [f64; RULES] {
         [self.least_speed_mps, self.greatest_speed_mps].map(|v| self.gap_derivative_s(v))
     }
 
     /// A_i of one rule.
-    #[must_use]
     pub fn transition(&self, rho: f64) -> StateMatrix {
         let ts = self.sample_time_s;
         let share = ts / self.actuator_lag_s;
@@ -120,13 +112,11 @@ impl Parameters {
     }
 
     /// B: effect of the increment.
-    #[must_use]
     pub fn input(&self) -> State {
         State::new(0.0, 0.0, self.sample_time_s / self.actuator_lag_s, 1.0)
     }
 
     /// E: effect of the disturbances on the state; only the lead's acceleration has one.
-    #[must_use]
     pub fn disturbance(&self) -> DisturbanceMatrix {
         let mut e = DisturbanceMatrix::zeros();
         e[(1, 0)] = self.sample_time_s;
@@ -134,7 +124,6 @@ impl Parameters {
     }
 
     /// D: effect of the disturbances on the measurement y = x + D w.
-    #[must_use]
     pub fn measurement_noise(&self) -> DisturbanceMatrix {
         let mut d = DisturbanceMatrix::zeros();
         for i in 0..DISTURBANCES - 1 {
@@ -144,7 +133,6 @@ impl Parameters {
     }
 
     /// Bounds on the disturbances, in the order of w.
-    #[must_use]
     pub fn disturbance_bounds(&self) -> [f64; DISTURBANCES] {
         [
             self.lead_acceleration_mps2,
@@ -155,7 +143,6 @@ impl Parameters {
     }
 
     /// Bounds on the states, in the order of x.
-    #[must_use]
     pub fn state_bounds(&self) -> [f64; STATES] {
         [
             self.gap_error_bound_m,
@@ -166,7 +153,6 @@ impl Parameters {
     }
 
     /// The row of the efficiency index Dd' under a rule.
-    #[must_use]
     pub fn gap_error_rate_row(&self, rho: f64) -> State {
         State::new(0.0, 1.0, -rho, 0.0)
     }

@@ -62,7 +62,7 @@ impl StoppingLaw {
             deceleration_mps2: settings.stop_deceleration_mps2,
             hardest_mps2: -config.min_request_mps2,
         };
-        let lag = Lag { tau_s: config.actuator_lag_s };
+        let lag = Lag { tau_s: config.model_time_constant_s };
         Self { acc, settings, driver, lag, watched: None, mode: None, reason: 0 }
     }
 
@@ -180,7 +180,7 @@ mod tests {
         let config = Config::default();
         let acc = build(Signals::Ignored, &config).expect("the default is valid");
         let mut law = StoppingLaw::new(acc, SignalStop::default(), &config);
-        let step = Lag { tau_s: config.actuator_lag_s }.discretise(PERIOD_S);
+        let step = Lag { tau_s: config.model_time_constant_s }.discretise(PERIOD_S);
         let mut ego = Motion { speed_mps: 13.0, ..Motion::default() };
         let (mut hardest, mut crossed, mut output) = (0.0_f64, None, Output::default());
         for k in 0..(seconds / PERIOD_S) as u32 {

@@ -17,7 +17,7 @@
 //! |---|---|---|
 //! | `d` | `SignalAhead::distance_m` | m |
 //! | `v` | `Ego::speed_mps` | m/s |
-//! | `tau` | `Config::actuator_lag_s` | s |
+//! | `tau` | `Config::model_time_constant_s` | s |
 //! | margin | [`SignalStop::stop_margin_m`] | m |
 //!
 //! A silent signal counts as red: a colour is not guessed.

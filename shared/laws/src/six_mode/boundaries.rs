@@ -21,7 +21,6 @@ pub struct Boundaries {
 
 impl Boundaries {
     /// The boundaries of the variant that is set.
-    #[must_use]
     pub fn of(p: &Parameters, speed: f64, relative: f64) -> Self {
         match p.variant {
             Variant::Literal => Self::literal(p, speed, relative),
@@ -32,7 +31,6 @@ impl Boundaries {
     /// The paper's boundaries, corrected only where the print is impossible.
     ///
     /// `speed` is V_h and `relative` is V_r = V_p - V_h, m/s.
-    #[must_use]
     pub fn literal(p: &Parameters, speed: f64, relative: f64) -> Self {
         let desired_m = desired(speed);
         Self {
@@ -45,7 +43,6 @@ impl Boundaries {
 
     /// The boundaries of the robust law: R_b is never below R0 (trap 2), R_w always above R_b (trap 1). R_j
     /// is without its pole and its drop at small relative speeds (trap 4).
-    #[must_use]
     pub fn robust(p: &Parameters, speed: f64, relative: f64) -> Self {
         let desired_m = match p.spacing {
             Spacing::Paper => desired(speed),
@@ -62,7 +59,6 @@ impl Boundaries {
     }
 
     /// The closing speed at which the gap beyond R_w is used up, m/s; negative below it.
-    #[must_use]
     pub(super) fn closing_mps(&self, p: &Parameters, gap_m: f64) -> f64 {
         let (low, high) = CLOSING_MPS;
         (CLOSING_PER_S * (gap_m - self.warning_m - p.margin_m)).clamp(low, high)

@@ -50,7 +50,6 @@ pub const LEVELS_MPS2: [f64; PARTS] = [-0.5, -0.75, -1.25, -1.75, -2.25, -2.75, 
 const METASTABLE_PARTS: usize = 2;
 
 /// The level of a situation between R_b and R_w, m/s².
-#[must_use]
 pub(super) fn level_mps2(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     if (p.variant, p.deceleration_parts) == (Variant::Robust, Parts::Smooth) {
         return smooth_mps2((b.warning_m - s.gap_m) / (b.warning_m - b.braking_m));
@@ -75,7 +74,6 @@ fn smooth_mps2(share: f64) -> f64 {
 }
 
 /// The part of a situation between R_b and R_w.
-#[must_use]
 pub fn part(p: &Parameters, s: &Situation, b: &Boundaries) -> usize {
     let share = (b.warning_m - s.gap_m) / (b.warning_m - b.braking_m);
     let metastable = metastable_share(p, s.relative_mps);
@@ -90,7 +88,6 @@ pub fn part(p: &Parameters, s: &Situation, b: &Boundaries) -> usize {
 }
 
 /// The gap at which `part` begins below R_w, m; for [`PARTS`], R_b.
-#[must_use]
 pub fn border_m(p: &Parameters, relative_mps: f64, b: &Boundaries, part: usize) -> f64 {
     let metastable = metastable_share(p, relative_mps);
     let share = if part <= METASTABLE_PARTS {

@@ -39,7 +39,6 @@ pub(super) static FORMULATION: Formulation = Formulation {
     ],
 };
 
-/// The six-mode law.
 #[derive(Clone, Debug, Default)]
 pub struct SixMode {
     parameters: Parameters,
@@ -57,23 +56,17 @@ pub struct SixMode {
 
 impl SixMode {
     /// A law with the given parameters.
-    ///
-    /// # Errors
-    /// The parameter that is not usable.
     pub fn new(parameters: Parameters) -> Result<Self, SettingError> {
         parameters.check()?;
         Ok(Self { parameters, ..Self::default() })
     }
 
-    /// The law's parameters.
-    #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
     /// Mode of the last step. `None` before the first; the literal law also has `None` while the
     /// paper's table has no row for what it saw.
-    #[must_use]
     pub fn mode(&self) -> Option<Mode> {
         self.mode
     }

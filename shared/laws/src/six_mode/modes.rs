@@ -74,7 +74,6 @@ pub struct Situation {
 }
 
 /// The paper's table of modes. It has no row for V_r = 0 (trap 5): `None` there.
-#[must_use]
 pub(super) fn literal(p: &Parameters, s: &Situation, b: &Boundaries) -> Option<(Mode, Reason)> {
     if s.relative_mps == 0.0 {
         return None;
@@ -95,7 +94,6 @@ pub(super) fn literal(p: &Parameters, s: &Situation, b: &Boundaries) -> Option<(
 /// The same table with hysteresis on every boundary and a dwell between the harmless modes.
 ///
 /// `mode` is the present mode, `held_s` the time since it was entered.
-#[must_use]
 pub(super) fn robust(
     p: &Parameters,
     mode: Option<Mode>,
@@ -133,7 +131,6 @@ pub(super) fn robust(
 }
 
 /// True if a target at `gap_m` counts as being within the sensor's range.
-#[must_use]
 pub(super) fn in_range(p: &Parameters, mode: Option<Mode>, gap_m: f64, hysteresis: bool) -> bool {
     let taking_up = hysteresis && mode == Some(Mode::Cruise);
     let margin = if taking_up { p.range_hysteresis_m } else { 0.0 };

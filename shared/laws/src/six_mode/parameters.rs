@@ -141,7 +141,6 @@ parameters! {
 
 impl Parameters {
     /// The keys that the chosen variant and spacing do not use.
-    #[must_use]
     pub(super) fn unused(&self) -> Vec<&'static str> {
         match (self.variant, self.spacing) {
             (Variant::Literal, _) => {
@@ -157,7 +156,6 @@ impl Parameters {
     }
 
     /// The literal variant of the paper with the driving default's values.
-    #[must_use]
     pub fn literal() -> Self {
         Self { variant: Variant::Literal, ..Self::default() }
     }
@@ -175,7 +173,6 @@ impl Parameters {
     /// The paper prints a, t1, R0, the range, k1 and k3. It does not print a_h, a_p, k, k_c nor any
     /// hysteresis: those are inferred from its switching times. Sensors are ideal there, so the
     /// filter and the dwell are off.
-    #[must_use]
     pub fn published() -> Self {
         Self {
             braking_mps2: 4.0,

@@ -17,7 +17,6 @@ const STEADY_OPENING: f64 = 0.4;
 
 /// Eq (7): reach and keep the set speed. The paper prints `a = k1 V_r`, but no target gives a V_r there. The text
 /// speaks of the set speed, so V_set - V_h is meant.
-#[must_use]
 pub(super) fn cruise(p: &Parameters, set_speed: f64, speed: f64) -> f64 {
     let error = set_speed - speed;
     if error > CRUISE_BAND {
@@ -32,7 +31,6 @@ const REGULATE_PER_S: f64 = 0.5;
 const REGULATE_LEAST_MPS2: f64 = -1.0;
 
 /// Request of a mode that has a target, before mean and limits.
-#[must_use]
 pub(super) fn following(p: &Parameters, mode: Mode, s: &Situation, b: &Boundaries) -> f64 {
     match mode {
         Mode::Approach if regulates(p) => approach(p, s, b).min(closing_mps2(p, s)),

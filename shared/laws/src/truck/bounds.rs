@@ -97,7 +97,6 @@ pub struct SpeedBand {
 
 impl SpeedBand {
     /// The band of a request.
-    #[must_use]
     pub fn of(keys: &BoundKeys, request: &PlanRequest) -> Self {
         let max_mps = max_speed_mps(keys, request.set_speed_mps, request.speed_limit_mps);
         Self { min_mps: min_speed_mps(keys, request.set_speed_mps).min(max_mps), max_mps }

@@ -9,7 +9,7 @@
 //! levels of the grid.
 
 use super::bounds::SpeedBand;
-use super::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Stage, Values};
+use super::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, Stage, Values};
 use super::prices::Prices;
 use super::settings::{Keys, Settings};
 use law::{MAX_SEGMENTS, Plan, PlanRequest, Planner, Preview};
@@ -25,7 +25,6 @@ const LOWEST_SPEED: f64 = 50.0 / 75.0;
 /// Nodes over kinetic energy.
 const NODES: usize = 70;
 
-/// The planner.
 #[derive(Clone, Debug)]
 pub struct DynamicProgramming {
     truck: Truck,
@@ -39,7 +38,6 @@ pub struct DynamicProgramming {
 
 impl DynamicProgramming {
     /// A planner of these settings.
-    #[must_use]
     pub fn new(settings: &Settings) -> Self {
         let Settings { truck, keys, .. } = settings;
         let values = || [(); PLANNED_GEARS].map(|()| vec![0.0; NODES]);
@@ -64,7 +62,6 @@ impl DynamicProgramming {
         self.grid.set_costs(Costs {
             time_gps: request.time_price * self.prices.time_gps,
             shift_g: self.prices.shift_g,
-            slow_gpm: SLOWNESS_GPM,
             min_speed_mps: band.min_mps,
         });
     }

@@ -19,7 +19,7 @@ pub const PLANNED_GEARS: usize = 3;
 /// The lowest of them.
 pub const LOWEST: usize = GEARS - PLANNED_GEARS;
 /// Price of being slower than the lowest desired speed, g/s per m/s: a soft bound.
-pub const SLOWNESS_GPM: f64 = 1.0;
+const SLOWNESS_GPM: f64 = 1.0;
 /// Cost of what cannot be.
 pub const NEVER: f64 = 1e18;
 
@@ -30,8 +30,6 @@ pub struct Costs {
     pub time_gps: f64,
     /// Cost of one shift, g.
     pub shift_g: f64,
-    /// Below the lowest desired speed: per second and m/s, g.
-    pub slow_gpm: f64,
     /// The lowest desired speed, m/s.
     pub min_speed_mps: f64,
 }
@@ -40,14 +38,13 @@ impl Costs {
     /// Half of a step's cost that belongs to one of its ends, g/m.
     fn at_end_gpm(&self, speed_mps: f64) -> f64 {
         let slow_mps = (self.min_speed_mps - speed_mps).max(0.0);
-        0.5 * (self.time_gps + self.slow_gpm * slow_mps) / speed_mps
+        0.5 * (self.time_gps + SLOWNESS_GPM * slow_mps) / speed_mps
     }
 }
 
 /// One step of the road.
 #[derive(Clone, Copy, Debug)]
 pub struct Stage {
-    /// Its length, m.
     pub length_m: f64,
     /// R, N.
     pub road_n: f64,
@@ -56,7 +53,6 @@ pub struct Stage {
 /// The best first step from somewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// Cost to the end, g.
     pub cost_g: f64,
     /// Kinetic energy at the step's end, J.
     pub end_j: f64,
@@ -122,7 +118,6 @@ impl EnergyGrid {
         self.set_costs(self.costs);
     }
 
-    /// Sets the prices.
     pub fn set_costs(&mut self, costs: Costs) {
         self.costs = costs;
         for (cost, &speed_mps) in self.end_cost_gpm.iter_mut().zip(&self.speed_mps) {

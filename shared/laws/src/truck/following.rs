@@ -53,7 +53,6 @@ pub struct Spacing {
 impl Spacing {
     /// Gaps at ego speed `speed_mps`, target speed `target_mps` and `grade`. `grade` is the mean from the lead on; 0 if
     /// it is not known.
-    #[must_use]
     pub fn new(keys: &GapKeys, speed_mps: f64, target_mps: f64, grade: f64) -> Self {
         let standstill_m = keys.standstill_distance_m;
         let slope_m = keys.uphill_m * grade.max(0.0) + keys.downhill_m * grade.min(0.0);
@@ -67,7 +66,6 @@ impl Spacing {
     }
 
     /// Mode (16) after `before`.
-    #[must_use]
     pub fn mode(&self, keys: &GapKeys, target: &Target, before: Mode) -> Mode {
         let relative_mps = target.relative_speed_mps;
         let room_m = (target.gap_m - self.desired_m).max(0.1);

@@ -56,7 +56,6 @@ impl GearCurve {
         }
     }
 
-    /// Fuel at a force, g/m.
     #[inline]
     pub(crate) fn fuel_gpm(&self, force_n: f64) -> f64 {
         let low = self.below * force_n;

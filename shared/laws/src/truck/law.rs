@@ -34,7 +34,6 @@ const PLANNED_FROM_MPS: f64 = 10.0;
 /// Requests that a command carries of the plan.
 const REQUESTS: usize = 50;
 
-/// The law.
 #[derive(Clone, Debug)]
 pub struct Predictive {
     settings: Settings,
@@ -81,13 +80,11 @@ impl State {
 
 impl Predictive {
     /// A law of these settings.
-    #[must_use]
     pub fn new(settings: &Settings) -> Self {
         Self { settings: *settings, state: State::new(&settings.keys) }
     }
 
     /// Lateness of the truck against its mean speed, s.
-    #[must_use]
     pub fn lag_s(&self) -> f64 {
         self.state.price.lag_s()
     }

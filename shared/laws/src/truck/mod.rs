@@ -128,7 +128,6 @@ fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
 }
 
 /// The planner of the settings; one that never has a plan for constant speed.
-#[must_use]
 pub fn create(settings: &Settings) -> Box<dyn Planner> {
     match settings.keys.planner {
         PlannerKind::DynamicProgramming => Box::new(DynamicProgramming::new(settings)),

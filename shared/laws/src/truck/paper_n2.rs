@@ -32,7 +32,6 @@ const UPHILL_SHARE: f64 = 0.25;
 const BEFORE_UPHILL_MPS: f64 = 0.5;
 const BEFORE_DOWNHILL_MPS: f64 = 2.0;
 
-/// The planner.
 #[derive(Clone, Debug)]
 pub struct PaperN2 {
     truck: Truck,
@@ -46,7 +45,6 @@ pub struct PaperN2 {
 
 impl PaperN2 {
     /// A planner of these settings.
-    #[must_use]
     pub fn new(settings: &Settings) -> Self {
         Self {
             truck: settings.truck,

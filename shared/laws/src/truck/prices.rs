@@ -20,7 +20,6 @@ pub struct Prices {
 
 impl Prices {
     /// Prices of a truck at a set speed, in its highest gear.
-    #[must_use]
     pub fn new(truck: &Truck, set_speed_mps: f64) -> Self {
         let top = GEARS - 1;
         let scale = truck.parameters().engine_scale;

@@ -52,7 +52,6 @@ pub struct LimitGrades {
 
 impl LimitGrades {
     /// Limits of a truck at its set speed in the highest gear, where the keys set none.
-    #[must_use]
     pub fn new(truck: &Truck, keys: &RoadKeys, set_speed_mps: f64) -> Self {
         let top = GEARS - 1;
         let (drag_nm, max_nm) = truck.net_torque_limits_nm(set_speed_mps, top);
@@ -78,11 +77,9 @@ impl LimitGrades {
 /// A stretch of one class.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stretch {
-    /// Length, m.
     pub length_m: f64,
     /// Mean grade.
     pub grade: f64,
-    /// Class.
     pub class: Class,
 }
 
@@ -105,7 +102,6 @@ pub struct Reconstruction {
 
 impl Reconstruction {
     /// No road yet.
-    #[must_use]
     pub fn new(keys: &RoadKeys) -> Self {
         Self { keys: *keys, stretches: [Stretch::default(); CELLS], len: 0 }
     }
@@ -131,13 +127,11 @@ impl Reconstruction {
     }
 
     /// The stretches, nearest first.
-    #[must_use]
     pub fn stretches(&self) -> &[Stretch] {
         &self.stretches[..self.len]
     }
 
     /// The first `wanted` segments to plan and how many there are: lead-ins apart, bodies divided.
-    #[must_use]
     pub fn segments(&self, wanted: usize) -> ([Stretch; MOST_SEGMENTS], usize) {
         let wanted = wanted.min(MOST_SEGMENTS);
         let mut segments = [Stretch::default(); MOST_SEGMENTS];

@@ -15,7 +15,6 @@ const INITIAL: [f64; 3] = [1.0, 0.25, 0.25];
 /// Measurements in a row outside the gate that restart the filter.
 const LOST: u32 = 3;
 
-/// The filter.
 #[derive(Clone, Debug, Default)]
 pub struct TargetFilter {
     keys: FilterKeys,
@@ -31,7 +30,6 @@ struct Track {
 
 impl TargetFilter {
     /// A filter that has seen nothing.
-    #[must_use]
     pub fn new(keys: &FilterKeys) -> Self {
         Self { keys: *keys, track: None }
     }

@@ -22,7 +22,6 @@ const PRICE_PER_MEAN: f64 = 20.0;
 /// Range of beta / beta_0.
 const RANGE: (f64, f64) = (0.5, 5.0);
 
-/// The servo.
 #[derive(Clone, Copy, Debug)]
 pub struct TimePrice {
     initial: f64,
@@ -33,7 +32,6 @@ pub struct TimePrice {
 impl TimePrice {
     /// A servo whose truck is in time at the price p_0, relative to beta_0, at its set speed. Here it must keep
     /// `mean_speed` times it.
-    #[must_use]
     pub fn new(usual: f64, mean_speed: f64) -> Self {
         let initial = usual + PRICE_PER_MEAN * (mean_speed - 1.0);
         Self { initial, lag_s: 0.0, integral: 0.0 }
@@ -51,13 +49,11 @@ impl TimePrice {
     }
 
     /// beta / beta_0.
-    #[must_use]
     pub fn value(&self) -> f64 {
         (self.initial + PROPORTIONAL_PER_S * self.lag_s + self.integral).clamp(RANGE.0, RANGE.1)
     }
 
     /// Lateness of the truck, s.
-    #[must_use]
     pub fn lag_s(&self) -> f64 {
         self.lag_s
     }
@@ -68,7 +64,6 @@ const SLOWEST_MPS: f64 = 3.0;
 /// Longest step, m: over it forces are constant.
 const STEP_M: f64 = 5.0;
 
-/// Speeds of the reference, m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speeds {
     /// That it keeps.

@@ -71,7 +71,6 @@ const GAIN_PER_S: f64 = 0.5;
 const MARGIN_MPS: f64 = 0.1;
 
 /// The downhill speed limiter: engine brake, then service brakes, when a truck runs away. Returns `demand`, but no more than holds the truck at `limit_mps` once it is there.
-#[must_use]
 pub fn limited(
     truck: &Truck,
     demand: Demand,

@@ -39,7 +39,6 @@ pub(crate) struct Guidance {
     pub(crate) gear: Option<usize>,
     /// Planned speed here, m/s.
     pub(crate) speed_mps: f64,
-    /// Segment.
     pub(crate) index: usize,
 }
 
@@ -56,12 +55,10 @@ impl Tracking {
         }
     }
 
-    /// Drops the plan.
     pub(crate) fn drop_plan(&mut self) {
         self.plan.len = 0;
     }
 
-    /// The plan in hand.
     pub(crate) fn plan(&self) -> &Plan {
         &self.plan
     }
@@ -152,7 +149,6 @@ impl MapTrust {
     }
 
     /// True if the map contradicts the vehicle.
-    #[must_use]
     pub fn is_lost(&self) -> bool {
         self.lost
     }

@@ -1,9 +1,7 @@
 //! The bound: a dynamic program over the whole route, driven.
 
 use super::{CONTROL_PERIOD_S, Driver, Road, Seen};
-use controller::laws::truck::energy_grid::{
-    Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Values,
-};
+use controller::laws::truck::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, Values};
 use controller::laws::truck::{BoundKeys, Prices, SpeedKeeper, limited, min_speed_mps};
 use truck_model::{Demand, Truck};
 
@@ -41,7 +39,6 @@ impl Bound {
         grid.set_costs(Costs {
             time_gps: time_price * prices.time_gps,
             shift_g: prices.shift_g,
-            slow_gpm: SLOWNESS_GPM,
             min_speed_mps: min_speed_mps(&BoundKeys::default(), set_speed_mps),
         });
         let road = Road::new(STEP_M, stages(road));

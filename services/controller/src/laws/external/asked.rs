@@ -62,13 +62,11 @@ impl Default for Exchange {
 
 impl Questions {
     /// True while a question waits for its answer.
-    #[must_use]
     pub fn is_open(&self) -> bool {
         self.0.state.get() == State::Asked
     }
 
     /// The question that waits for its answer.
-    #[must_use]
     pub fn question(&self) -> Option<LawInput> {
         self.is_open().then(|| *self.0.question.borrow())
     }
@@ -102,7 +100,6 @@ enum AskedError {
     Failed(String, String),
 }
 
-/// The law.
 #[derive(Debug)]
 pub struct Asked {
     name: String,

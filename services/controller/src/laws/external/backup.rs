@@ -16,7 +16,6 @@ pub(super) enum Reason {
     Refused,
 }
 
-/// The backup.
 pub(super) struct Backup {
     law: Box<dyn Law>,
     /// It drove at the last release.

@@ -48,7 +48,6 @@ pub static FORMULATION: Formulation = Formulation {
 pub(super) enum Choice {
     /// Cross it in the present or next green.
     Pass,
-    /// Stop before it.
     Stop,
 }
 
@@ -72,7 +71,6 @@ pub(super) enum Reason {
 /// Inputs of the choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Situation {
-    /// The phase is known.
     pub(super) known: bool,
     /// The pass's plan crosses the line in time, and the safety filter lets it.
     pub(super) reaches: bool,
@@ -84,9 +82,7 @@ pub(super) struct Situation {
     pub(super) comfortable_stop: bool,
     /// Braking as hard as the law can stops before the line.
     pub(super) hard_stop: bool,
-    /// Cost of the pass's plan.
     pub(super) pass_cost: f64,
-    /// Cost of the stop's plan.
     pub(super) stop_cost: f64,
     /// Earlier choice for this line.
     pub(super) before: Option<Choice>,
@@ -95,7 +91,6 @@ pub(super) struct Situation {
 /// Costs this close are alike; the line is then still far away.
 const TIE: f64 = 1.0;
 
-/// Chooses.
 pub(super) fn choose(s: &Situation, hysteresis: f64) -> (Choice, Reason) {
     if s.known && s.starts && s.clears {
         return (Choice::Pass, Reason::GreenInReach);

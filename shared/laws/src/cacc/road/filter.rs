@@ -30,7 +30,6 @@ const SHORTEST_PERIOD_S: f64 = 0.05;
 /// Treatment of a line by the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
-    /// Stop before it.
     Stop,
     /// Cross it before red, or stay able to stop.
     Pass {
@@ -56,7 +55,6 @@ impl Rule {
 /// A line ahead and its rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gate {
-    /// Distance to the line, m.
     pub(super) distance_m: f64,
     /// Treatment of the line.
     pub(super) rule: Rule,
@@ -270,7 +268,7 @@ struct Crossing {
 pub(super) fn safe_gap(config: &Config, period_s: f64) -> SafeGap {
     let road = &config.road;
     SafeGap::new(
-        Lag { tau_s: config.actuator_lag_s },
+        Lag { tau_s: config.model_time_constant_s },
         period_s,
         (config.min_request_mps2, -road.comfort_deceleration_mps2),
         (1.0 + SOFT_SHARE) * road.min_gap_m,

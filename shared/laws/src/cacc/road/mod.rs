@@ -44,7 +44,7 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `T`, `tau` | [`Config::step_s`], [`Config::actuator_lag_s`] | s |
+//! | `T`, `tau` | [`Config::step_s`], [`Config::model_time_constant_s`] | s |
 //! | `t_h` | [`Config::time_headway_s`] | s |
 //! | `s0`, `gap_min` | [`RoadConfig::standstill_gap_m`](super::road_config::RoadConfig), `min_gap_m` | m |
 //! | `c`, `b` | [`LagStep`](law::following::kinematics::LagStep) | s², s, 1 |
@@ -121,10 +121,6 @@ struct Decision {
 
 impl RoadLaw {
     /// Builds the law with its programs; `uses_light` makes it `cacc-mpc`.
-    ///
-    /// # Errors
-    /// [`ProblemError`] when the settings do not make a convex program; a validated configuration
-    /// always does.
     pub fn new(
         config: &Config,
         uses_light: bool,
@@ -202,7 +198,7 @@ impl RoadLaw {
             let latest_s = green.to_s + self.clearance_s(&green, seen.ego.speed_mps);
             stage_at(latest_s.max(green.likely_s))
         });
-        let n = self.config.horizon_steps;
+        let n = self.config.horizon;
         let (mut reaches, mut clears, mut untouched) = (false, false, false);
         let mut shortfall_m = 0.0;
         if let Some(green) = green {
@@ -252,7 +248,7 @@ impl RoadLaw {
                 output.figures[6] = stop_cost;
             }
         }
-        let lag = Lag { tau_s: self.config.actuator_lag_s };
+        let lag = Lag { tau_s: self.config.model_time_constant_s };
         let comfort = -self.config.road.comfort_deceleration_mps2;
         let room = STOP_ROOM_M.min(0.5 * line_m);
         let comfortable_stop = lag.stop(seen.ego, comfort).distance_m <= line_m - room;
@@ -281,7 +277,7 @@ impl RoadLaw {
         if road.yellow_reaction_s == 0.0 {
             return 0.0;
         }
-        let lag_s = road.yellow_reaction_s + self.config.actuator_lag_s;
+        let lag_s = road.yellow_reaction_s + self.config.model_time_constant_s;
         let stop_s = lag_s + speed_mps / (2.0 * road.comfort_deceleration_mps2);
         stop_s.min(green.clear_s - green.to_s)
     }

@@ -27,7 +27,7 @@ impl RoadLaw {
     ) -> bool {
         let choice = decision.choice;
         let taken = choice.unwrap_or(Choice::Pass);
-        let n = self.config.horizon_steps;
+        let n = self.config.horizon;
         let candidate = self.planner.candidate_of(taken);
         output.solver_iterations = candidate.iterations;
         output.figures[3] = candidate.residual;
@@ -78,7 +78,7 @@ impl RoadLaw {
         } else {
             Room { wanted_m: to_line_m, spare_m: 0.0 }
         };
-        safe = soften(safe, seen.ego, self.config.actuator_lag_s, room);
+        safe = soften(safe, seen.ego, self.config.model_time_constant_s, room);
         output.figures[2] = safe - wanted;
         if safe < wanted - 1e-9 {
             // The rest of the plan was made for another beginning: it must not undo the braking.
@@ -87,7 +87,7 @@ impl RoadLaw {
             }
         }
         output.plan_mps2[0] = safe;
-        let lag = Lag { tau_s: self.config.actuator_lag_s };
+        let lag = Lag { tau_s: self.config.model_time_constant_s };
         self.state.own.ask(safe, seen.ego.acceleration_mps2, lag, input.period_s);
         gates[..count].first().is_some_and(|gate| gate.rule == Rule::Stop)
     }
@@ -101,7 +101,7 @@ impl RoadLaw {
         filter: &Filter,
     ) -> ([Gate; MAX_SIGNALS], usize) {
         let now = input.time_s;
-        let n = self.config.horizon_steps;
+        let n = self.config.horizon;
         let mut gates = [Gate { distance_m: 0.0, rule: Rule::Stop }; MAX_SIGNALS];
         for (j, line) in seen.lines[..seen.count].iter().enumerate() {
             let distance_m = line.at_m - input.ego.position_m;

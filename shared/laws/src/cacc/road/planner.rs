@@ -79,7 +79,7 @@ impl Planner {
         config: &Config,
         solver: Box<dyn Solver + Send>,
     ) -> Result<Self, ProblemError> {
-        let lag = Lag { tau_s: config.actuator_lag_s }.discretise(config.step_s);
+        let lag = Lag { tau_s: config.model_time_constant_s }.discretise(config.step_s);
         let road = &config.road;
         let safe = safe_gap(config, config.step_s);
         Ok(Self {
@@ -139,8 +139,8 @@ impl Planner {
         let problem = if choice == Choice::Pass && !emergency {
             if deadline.is_some() {
                 let limits = (seen.desired_mps, self.driver.acceleration_mps2);
-                let start = (seen.begin, self.config.horizon_steps);
-                let lag = (&self.lag, self.config.actuator_lag_s);
+                let start = (seen.begin, self.config.horizon);
+                let lag = (&self.lag, self.config.model_time_constant_s);
                 fastest.roll_out(start, limits, lag, &self.safe, lead);
             }
             self.programs.fill_go(&candidate.reference, lead, seen.desired_mps, deadline, fastest);
@@ -153,7 +153,7 @@ impl Planner {
         candidate.solved = usable(&report);
         candidate.iterations = report.iterations;
         candidate.residual = report.residuals.max();
-        let n = self.config.horizon_steps;
+        let n = self.config.horizon;
         let source =
             if candidate.solved { self.solver.inputs() } else { &candidate.reference.request_mps2 };
         candidate.requests[..n].copy_from_slice(&source[..n]);
@@ -173,7 +173,7 @@ impl Planner {
 
     /// First stage at which a candidate's plan is beyond the line.
     pub(super) fn arrival(&self, choice: Choice, line_m: f64) -> Option<usize> {
-        let motion = &self.candidate_of(choice).motion[..=self.config.horizon_steps];
+        let motion = &self.candidate_of(choice).motion[..=self.config.horizon];
         motion.iter().position(|motion| motion.position_m >= line_m)
     }
 
@@ -182,13 +182,13 @@ impl Planner {
     pub(super) fn is_let_through(&self, rule: Rule, line_m: f64, filter: &Filter) -> bool {
         let Candidate { requests, motion, .. } = &self.work.pass;
         let to_line_m = |at: &Motion| line_m - at.position_m;
-        let mut stages = motion[..=self.config.horizon_steps].iter();
+        let mut stages = motion[..=self.config.horizon].iter();
         let Some(stage) = stages.position(|at| !filter.can_stop(*at, to_line_m(at))) else {
             return true;
         };
         let at = &motion[stage];
         let lead = self.work.lead.at(stage, at.position_m);
-        let request = requests[stage.min(self.config.horizon_steps - 1)];
+        let request = requests[stage.min(self.config.horizon - 1)];
         let gate =
             Held { distance_m: to_line_m(at), rule: rule.after(stage as f64 * self.lag.step_s) };
         filter.can_cross(request, *at, lead.as_ref(), gate)
@@ -196,19 +196,19 @@ impl Planner {
 
     /// Distance by which the pass falls short of the line at its latest stage, m; otherwise zero.
     pub(super) fn shortfall(&self, line_m: f64, deadline: Option<usize>) -> f64 {
-        let stage = deadline.filter(|&stage| stage <= self.config.horizon_steps);
+        let stage = deadline.filter(|&stage| stage <= self.config.horizon);
         stage.map_or(0.0, |stage| (line_m - self.work.pass.motion[stage].position_m).max(0.0))
     }
 
     /// Cost of a plan: time lost against the driver who passes, acceleration and jerk.
     pub(super) fn cost(&self, choice: Choice) -> f64 {
         let road = &self.config.road;
-        let n = self.config.horizon_steps;
+        let n = self.config.horizon;
         let passing = &self.work.pass.reference.motion;
         let Candidate { requests, motion, .. } = self.candidate_of(choice);
         let mut sum = 0.0;
         for (k, &request) in requests[..n].iter().enumerate() {
-            let jerk = (request - motion[k].acceleration_mps2) / self.config.actuator_lag_s;
+            let jerk = (request - motion[k].acceleration_mps2) / self.config.model_time_constant_s;
             let next = &motion[k + 1];
             let (a, slower) = (next.acceleration_mps2, next.speed_mps - passing[k + 1].speed_mps);
             sum += road.speed_weight_s2_per_m2 * slower * slower

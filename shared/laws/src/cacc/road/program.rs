@@ -88,7 +88,7 @@ pub(super) struct Programs {
 impl Programs {
     pub(super) fn new(config: &Config, lag: &LagStep) -> Result<Self, ProblemError> {
         let road = &config.road;
-        let n = config.horizon_steps;
+        let n = config.horizon;
         let pass = row([-1.0, config.time_headway_s, 0.0], n, PASS_PRICE);
         let comfort = Row {
             limit: road.comfort_deceleration_mps2,
@@ -217,7 +217,7 @@ fn problem(
     min_mps2: f64,
     fourth: Row,
 ) -> Result<Problem, ProblemError> {
-    let (n, t_h, road) = (config.horizon_steps, config.time_headway_s, &config.road);
+    let (n, t_h, road) = (config.horizon, config.time_headway_s, &config.road);
     let [cv, bv] = lag.speed;
     let [cp, bp] = lag.position;
     let [ca, ba] = lag.acceleration;
@@ -229,7 +229,7 @@ fn problem(
         .state_weights(weights(road))
         .terminal_weights(weights(road).map(|w| TERMINAL * w))
         .input_cost(road.request_weight_s4_per_m2)
-        .jerk_cost(road.jerk_weight_s6_per_m2, config.actuator_lag_s)
+        .jerk_cost(road.jerk_weight_s6_per_m2, config.model_time_constant_s)
         .input_bounds(min_mps2, road.acceleration_mps2)
         .row(row([1.0, -t_h, 0.0], n, CEILING_PRICE))
         .row(row([0.0, 1.0, 0.0], n, FAST_PRICE))

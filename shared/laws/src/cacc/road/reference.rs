@@ -84,7 +84,7 @@ impl Reference {
         self.hardest_mps2 = 0.0;
         self.motion[0] = start;
         self.ceiling_m[0] = f64::INFINITY;
-        for k in 0..scene.config.horizon_steps {
+        for k in 0..scene.config.horizon {
             let here = self.motion[k];
             let (request, ceiling) = scene.request(k, here, nearest);
             self.hardest_mps2 = self.hardest_mps2.max(-request);

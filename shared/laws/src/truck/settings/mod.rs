@@ -31,7 +31,6 @@ impl PlannerKind {
     pub const ALL: [Self; 3] = [Self::DynamicProgramming, Self::PaperN2, Self::ConstantSpeed];
 
     /// Name in scenarios and tables.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::DynamicProgramming => "dynamic-programming",
@@ -61,7 +60,6 @@ impl PlannerKind {
 
     /// Price of time, relative to the flat's, at which a truck keeps its mean speed over hills. The servo corrects its
     /// error.
-    #[must_use]
     pub(super) fn usual_time_price(self) -> f64 {
         match self {
             Self::DynamicProgramming | Self::ConstantSpeed => 1.3,
@@ -140,13 +138,11 @@ pub struct Settings {
 
 impl Settings {
     /// Settings for a truck whose mean speed is to be its set speed.
-    #[must_use]
     pub fn new(truck: &Truck, planner: PlannerKind) -> Self {
         Self { truck: *truck, keys: Keys { planner, ..Keys::default() } }
     }
 
     /// Settings of the keys for a truck that they describe in part.
-    #[must_use]
     pub fn of_keys(truck: &Truck, keys: &Keys) -> Self {
         Self { truck: keys.truck.believed(truck), keys: *keys }
     }
