@@ -43,7 +43,7 @@ fn in_short(paper: &Paper) -> String {
 /// The paper's own figures.
 fn galleries(pictures: &Pictures) -> String {
     let gallery = |gallery: &Gallery| {
-        let plots: String = gallery.plots.iter().map(|plot| figure(plot)).collect();
+        let plots: String = gallery.plots.iter().map(figure).collect();
         format!("<h3>{}</h3>\n<div class=\"columns\">{plots}</div>\n", escape(&gallery.heading))
     };
     pictures.galleries.iter().map(gallery).collect()

@@ -33,8 +33,7 @@ pub fn overlay(runs: &[(&str, &RunPicture)]) -> String {
         Plot::over_time("Acceleration", until_s, "m/s²", curves(|run| &run.acceleration_mps2)),
         Plot::over_time("Position", until_s, "m", curves(|run| &run.position_m)),
     ];
-    let drawn: String =
-        plots.iter().filter(|plot| !plot.curves.is_empty()).map(|plot| figure(plot)).collect();
+    let drawn: String = plots.iter().filter(|plot| !plot.curves.is_empty()).map(figure).collect();
     grid(&drawn) + &alike(runs)
 }
 

@@ -218,11 +218,8 @@ mod tests {
     fn modes_follow_the_gap_with_hysteresis() {
         let keys = &GapKeys::default();
         let spacing = Spacing::new(keys, 20.0, 20.0, 0.0);
-        let at = |gap_m, relative_speed_mps| Target {
-            gap_m,
-            relative_speed_mps,
-            acceleration_mps2: 0.0,
-        };
+        let at =
+            |gap_m, relative_speed_mps| Target { gap_m, relative_speed_mps, ..Target::default() };
         assert_eq!(spacing.mode(keys, &at(24.0, 0.0), Mode::Follow), Mode::Warn);
         assert_eq!(spacing.mode(keys, &at(67.0, 0.0), Mode::Follow), Mode::Follow);
         assert_eq!(spacing.mode(keys, &at(67.0, 0.0), Mode::Predictive), Mode::Predictive);

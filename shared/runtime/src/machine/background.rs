@@ -24,12 +24,15 @@ pub struct WorkerReport {
     pub worked_us: Option<Percentiles>,
 }
 
+/// Answers a question.
+type Work<Q, A> = Box<dyn FnMut(&Q) -> A>;
+
 /// A thread that answers questions of type `Q` with `A`.
 pub struct BackgroundWorker<Q, A> {
     shared: Arc<Shared<Q, A>>,
     thread: Option<JoinHandle<()>>,
     /// The work, where the loop's own thread does it at once.
-    inline: Option<Box<dyn FnMut(&Q) -> A>>,
+    inline: Option<Work<Q, A>>,
     delay_ns: i64,
     /// Time when the answer to the open question takes effect, run time in ns.
     due_ns: Option<i64>,

@@ -16,7 +16,7 @@ pub fn document(sweep: &Sweep) -> Document {
     let (whole, all) =
         (sweep.points.iter().map(|point| point.completed).sum::<usize>(), sweep.runs.len());
     let helped = braked(interventions(&sweep.runs));
-    let curves: String = plots(sweep).iter().map(|plot| figure(plot)).collect();
+    let curves: String = plots(sweep).iter().map(figure).collect();
     Document::new("sweep", &format!("Sweep of {}", sweep.scenario), sweep)
         .about(sweep.about())
         .verdict(sweep.ok, format!("{whole} of {all} runs without {}; {helped}", sweep.rules()))

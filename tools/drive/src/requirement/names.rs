@@ -22,8 +22,11 @@ const FOLLOWED_S: f64 = 6.0;
 /// The form of a rule that takes no value.
 const ALONE: &str = "the name without a value";
 
+/// Makes the requirement of a name from the number behind it.
+type Make = fn(Option<&str>) -> Option<Named>;
+
 /// Every name, the form that it needs, and its meaning with what stands behind the colon.
-const KNOWN: [(&str, &str, fn(Option<&str>) -> Option<Named>); 11] = [
+const KNOWN: [(&str, &str, Make); 11] = [
     ("no-collision", ALONE, |value| alone(value, Named::Rule(Rule::Collision))),
     ("no-avoidable-collision", ALONE, |value| alone(value, Named::Rule(Rule::AvoidableCollision))),
     ("no-red-light", ALONE, |value| alone(value, Named::Rule(Rule::RedLight))),

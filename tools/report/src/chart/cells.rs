@@ -8,6 +8,9 @@ use super::{Stroke, Tone};
 const HEIGHT: f64 = 200.0;
 const EDGE_PX: f64 = 2.0;
 
+/// A kind of what is drawn: its name for the legend, its tone, and all of its places.
+pub type Kind<'a, T> = (&'a str, Tone, Vec<T>);
+
 /// Straight pieces of one edge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edges {
@@ -23,7 +26,7 @@ pub struct Edges {
 pub fn cells(
     title: &str,
     axes: (&Axis, &Axis),
-    kinds: &[(&str, Tone, Vec<[(f64, f64); 2]>)],
+    kinds: &[Kind<'_, [(f64, f64); 2]>],
     edges: &[Edges],
 ) -> Chart {
     let boxes = kinds.iter().map(|(label, tone, cells)| Series::boxes(label, *tone, cells, axes));
@@ -43,7 +46,7 @@ pub fn cells(
 pub fn scatter(
     title: &str,
     axes: (&Axis, &Axis),
-    kinds: &[(&str, Tone, Vec<(f64, f64)>)],
+    kinds: &[Kind<'_, (f64, f64)>],
     edges: &[Edges],
 ) -> Chart {
     let kinds = kinds.iter().filter(|(.., points)| !points.is_empty());

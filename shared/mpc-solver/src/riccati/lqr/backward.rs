@@ -186,7 +186,7 @@ fn backward<const SHAPE: Shape, R: Row + Default, M: BlockModels>(
                 }
             }
         }
-        if M::IS_WHOLE && (WIDTH * j) % STRIDE == 0 {
+        if M::IS_WHOLE && (WIDTH * j).is_multiple_of(STRIDE) {
             hessians[WIDTH * j / STRIDE] = p;
             costs[WIDTH * j / STRIDE] = CostToGo { linear: linear.map(R::lanes), dual, reached };
         }
