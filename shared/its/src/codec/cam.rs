@@ -4,7 +4,7 @@ use super::container::{
     ACCELERATION, ACCELERATION_CONFIDENCE, ACCELERATION_CONTROL, LANE_POSITION, OTHER_ACCELERATION,
     PATH_HISTORY, PERFORMANCE_CLASS, SPECIAL_VEHICLE, STEERING_WHEEL, TOLLING_ZONE,
 };
-use super::uper::{Number, Part, Source, Writer};
+use super::uper::{Number, Part, Skip, Source, Writer};
 use super::{LATITUDE, LONGITUDE, read_header, write_header};
 use crate::cam::{Cam, LowFrequency, Motion};
 use crate::geodesy::Position;

@@ -7,7 +7,7 @@ use super::dsrc::{
     SIGNAL_GROUP, SPEED_LIMITS, VEHICLE_ATTRIBUTES,
 };
 use super::spatem::{INTERSECTIONS, read_reference, write_reference};
-use super::uper::{Number, Part, Source, Writer};
+use super::uper::{Number, Part, Skip, Source, Writer};
 use super::{LATITUDE, LONGITUDE, read_header, write_header};
 use crate::geodesy::Position;
 use crate::mapem::{Approach, Connection, IntersectionGeometry, Lane, Mapem};

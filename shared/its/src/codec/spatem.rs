@@ -4,7 +4,7 @@ use super::dsrc::{
     ADVISORY_SPEEDS, ENABLED_LANES, MANEUVER_ASSIST, MINUTE, NAME, REGION, REGIONALS, REVISION,
     SIGNAL_GROUP,
 };
-use super::uper::{Number, Source, Writer};
+use super::uper::{Number, Skip, Source, Writer};
 use super::{read_header, write_header};
 use crate::spatem::{
     IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing,

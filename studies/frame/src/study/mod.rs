@@ -2,11 +2,13 @@
 
 mod command;
 mod crew;
+mod entry;
 mod run;
 mod verify;
 
-pub use command::{Command, Entry, MergeArguments, ResumeArguments, RunOptions, merge, resume};
+pub use command::{Command, MergeArguments, ResumeArguments, RunOptions};
 pub use crew::Crew;
+pub use entry::{Entry, merge, resume};
 pub use run::run;
 
 use std::collections::BTreeMap;

@@ -18,7 +18,7 @@ mod writer;
 #[cfg(all(test, feature = "oracle"))]
 pub(super) mod dice;
 
-pub(super) use part::{Form, Part, enumeration, extensible, fixed, list, optional, required};
+pub(super) use part::{Form, Part, Skip, enumeration, extensible, fixed, list, optional, required};
 pub(super) use reader::Reader;
 pub(super) use source::{Number, Source};
 pub(super) use writer::Writer;

@@ -1,6 +1,5 @@
 //! Fields in order, and the ways in which a type of the standards can be extended.
 
-use super::Part;
 use crate::PayloadError;
 
 /// A constrained whole number (clause 11.5): a field's name and bounds. It also describes an enumeration, the
@@ -84,11 +83,6 @@ pub(in crate::codec) trait Source: Sized {
         number: Number,
     ) -> Result<Option<T>, PayloadError> {
         there.then(|| self.number(number)).transpose()
-    }
-
-    /// Checks and skips a part if its bit marked it as present.
-    fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {
-        if there { part.skip(self) } else { Ok(()) }
     }
 
     /// One flag.
