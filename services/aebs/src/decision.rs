@@ -20,6 +20,9 @@
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and `clear_m`. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
 //!
+//! An oncoming vehicle may reach the ego however early it stands. Braking for it begins when the contact would otherwise
+//! be harder.
+//!
 //! An object on a row that crosses the ego's way may stand beside a curve ahead. It neither warns nor brakes before the
 //! last point to steer (`steer_s`): the road would have bent by then.
 //!
@@ -33,6 +36,9 @@ use crate::object::Object;
 use crate::prediction::{Authority, Beside, Ego, Plan, Threat};
 use crate::row::Places;
 use messages::BrakeState;
+
+/// Share of what braking takes off a closing speed in a time. A delay by this time that loses as much comes too late.
+const LOST_SHARE: f64 = 0.25;
 
 /// The ego's swept path, and the time ahead for which lateral motion is extrapolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -260,16 +266,38 @@ impl Decision {
             beside.is_some_and(|beside| self.contact(object, &beside).probability > numbers.remote)
         };
         let brakes_too = self.brakes_too(ego, object, &threat);
-        let late = |wait_s: f64| {
-            is_late(&counted_on, &threat, wait_s)
-                || (brakes_too.as_ref())
-                    .is_some_and(|lead| is_late(authority, lead, wait_s + numbers.notices_s))
+        let late = |wait_s: f64| match threat.speed_mps < 0.0 {
+            true => self.is_harder(ego, object, &counted_on, &threat, wait_s),
+            false => {
+                is_late(&counted_on, &threat, wait_s)
+                    || (brakes_too.as_ref())
+                        .is_some_and(|lead| is_late(authority, lead, wait_s + numbers.notices_s))
+            }
         };
         let share = if kept.probability > numbers.certain { 1.0 } else { numbers.better_share };
         assessment.brakes =
             late(*period_s) && contact(&threat, Plan::Brake(0.0), 0.0).loss < share * kept.loss;
         assessment.warns = assessment.brakes || late(*period_s + *warning_s);
         Some(assessment)
+    }
+
+    /// True if a contact with an oncoming vehicle is harder when braking begins later. However early the ego stands, it
+    /// may be reached. Until it could no longer stand by then, to wait shows whether the vehicle turns off.
+    fn is_harder(
+        &self,
+        ego: &Ego,
+        object: &Object,
+        authority: &Authority,
+        threat: &Threat,
+        wait_s: f64,
+    ) -> bool {
+        let contact = |wait_s| {
+            let beside = authority.beside(ego, threat, Plan::Brake(wait_s), 0.0);
+            beside.map_or(Contact::default(), |beside| self.contact(object, &beside))
+        };
+        let (now, later) = (contact(0.0), contact(wait_s));
+        let gained_mps = authority.deceleration_mps2 * wait_s * later.probability;
+        later.loss - now.loss > LOST_SHARE * gained_mps
     }
 
     /// True if what is ahead is reached so soon that the ego would have to steer now to miss it.
