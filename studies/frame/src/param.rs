@@ -43,7 +43,7 @@ impl Param {
         };
         let (key, list) = argument.split_once('=').ok_or_else(|| refuse("no `=`".to_owned()))?;
         let key = key.trim();
-        let values = values(list, None).map_err(refuse)?;
+        let values = values(list, None).map_err(|why| refuse(why.to_string()))?;
         let setting = |value: &String| Setting::read("--vary", &format!("{key}={value}"));
         let settings = values.iter().map(setting).collect::<Result<_, _>>()?;
         Ok(Self { key: key.to_owned(), settings })
@@ -71,6 +71,11 @@ pub fn refuse_if_set(by: &str, key: &str, options: &ScenarioOptions) -> Result<(
     }
 }
 
+/// The fault of a list or range.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct ListError(String);
+
 /// The values of a list or a range, both ends included:
 ///
 /// | text | values |
@@ -81,7 +86,11 @@ pub fn refuse_if_set(by: &str, key: &str, options: &ScenarioOptions) -> Result<(
 /// | `A..B:log:N` | N, evenly in the logarithm |
 ///
 /// A range without a step takes `usual_step`, if there is one.
-pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, String> {
+pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, ListError> {
+    read(list, usual_step).map_err(ListError)
+}
+
+fn read(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, String> {
     // A path may have two dots as well; a range begins with a number.
     if let Some((from, rest)) = list.split_once("..")
         && from.trim().parse::<f64>().is_ok()

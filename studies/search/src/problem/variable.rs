@@ -46,11 +46,11 @@ impl Domain {
             && !to.contains(['/', ':'])
         {
             // The ends are the range's only values.
-            let ends = values(&format!("{text}:2"), None)?;
+            let ends = values(&format!("{text}:2"), None).map_err(|why| why.to_string())?;
             let end = |place: usize| ends[place].parse().expect("the end of a range");
             return Ok(Self::Range { from: end(0), to: end(1), is_log });
         }
-        let all = values(text, None)?;
+        let all = values(text, None).map_err(|why| why.to_string())?;
         if all.len() < 2 {
             return Err("one value leaves nothing to choose".to_owned());
         }
