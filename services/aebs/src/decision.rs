@@ -37,6 +37,8 @@ use crate::prediction::{Authority, Beside, Ego, Plan, Threat};
 use crate::row::Places;
 use messages::BrakeState;
 
+/// Speed towards the ego from which a vehicle is oncoming, m/s. One that rolls back is slower, and does not turn off.
+const ONCOMING_MPS: f64 = 2.0;
 /// Share of what braking takes off a closing speed in a time. A delay by this time that loses as much comes too late.
 const LOST_SHARE: f64 = 0.25;
 
@@ -266,8 +268,8 @@ impl Decision {
             beside.is_some_and(|beside| self.contact(object, &beside).probability > numbers.remote)
         };
         let brakes_too = self.brakes_too(ego, object, &threat);
-        let late = |wait_s: f64| match threat.speed_mps < 0.0 {
-            true => self.is_harder(ego, object, &counted_on, &threat, wait_s),
+        let late = |wait_s: f64| match threat.speed_mps < -ONCOMING_MPS {
+            true => Self::is_harder(ego, &counted_on, &threat, wait_s),
             false => {
                 is_late(&counted_on, &threat, wait_s)
                     || (brakes_too.as_ref())
@@ -281,23 +283,15 @@ impl Decision {
         Some(assessment)
     }
 
-    /// True if a contact with an oncoming vehicle is harder when braking begins later. However early the ego stands, it
+    /// True if an oncoming vehicle is met at a higher speed when braking begins later. However early the ego stands, it
     /// may be reached. Until it could no longer stand by then, to wait shows whether the vehicle turns off.
-    fn is_harder(
-        &self,
-        ego: &Ego,
-        object: &Object,
-        authority: &Authority,
-        threat: &Threat,
-        wait_s: f64,
-    ) -> bool {
-        let contact = |wait_s| {
+    fn is_harder(ego: &Ego, authority: &Authority, threat: &Threat, wait_s: f64) -> bool {
+        let closing_mps = |wait_s| {
             let beside = authority.beside(ego, threat, Plan::Brake(wait_s), 0.0);
-            beside.map_or(Contact::default(), |beside| self.contact(object, &beside))
+            beside.map_or(0.0, |beside| beside.first_mps)
         };
-        let (now, later) = (contact(0.0), contact(wait_s));
-        let gained_mps = authority.deceleration_mps2 * wait_s * later.probability;
-        later.loss - now.loss > LOST_SHARE * gained_mps
+        let gained_mps = authority.deceleration_mps2 * wait_s;
+        closing_mps(wait_s) - closing_mps(0.0) > LOST_SHARE * gained_mps
     }
 
     /// True if what is ahead is reached so soon that the ego would have to steer now to miss it.

@@ -118,6 +118,7 @@ pub fn check_faults_in_lockstep(scenario: &Scenario) -> Result<(), Problem> {
     let kind = scenario.faults[index].effect.kind();
     let message =
         format!("`{kind}` acts on a process: in lockstep all services wait for each other");
-    let expected = "--mode realtime and without --in-process, or `drop` to silence a topic";
+    let expected = "no such fault (--set faults=[]), `drop` to silence a topic, or --mode realtime and without \
+                    --in-process";
     Err(Problem::new(format!("faults.{index}.kind"), message, expected))
 }

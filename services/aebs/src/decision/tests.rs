@@ -97,6 +97,18 @@ fn a_stop_just_behind_what_seems_to_creep_backwards_is_left_alone() {
 }
 
 #[test]
+fn an_oncoming_vehicle_is_braked_for_when_waiting_would_cost_speed() {
+    let state = |gap_m: f64| {
+        let mut decision = Decision::new(settings());
+        let ego = Ego { speed_mps: 13.0, acceleration_mps2: 0.0 };
+        step(&mut decision, &ego, [Object::at(gap_m, -7.0, 0.0, 0.0, 0.95)]).state
+    };
+    // 13 m/s take some 2 s. In this time 20 m/s of closing speed cover less than 35 m.
+    assert_eq!(state(80.0), BrakeState::Monitoring, "it may turn off");
+    assert_eq!(state(20.0), BrakeState::Braking, "each cycle costs speed");
+}
+
+#[test]
 fn an_object_passed_before_it_comes_in_is_left_alone() {
     let brakes = |gap_m: f64, lateral_mps: f64| {
         let mut decision = Decision::new(settings());
