@@ -38,7 +38,7 @@ use crate::row::Places;
 use messages::BrakeState;
 
 /// Speed towards the ego from which a vehicle is oncoming, m/s. One that rolls back is slower, and does not turn off.
-const ONCOMING_MPS: f64 = 2.0;
+const ONCOMING_MPS: f64 = 1.0;
 /// Share of what braking takes off a closing speed in a time. A delay by this time that loses as much comes too late.
 const LOST_SHARE: f64 = 0.25;
 
@@ -288,7 +288,8 @@ impl Decision {
     fn is_harder(ego: &Ego, authority: &Authority, threat: &Threat, wait_s: f64) -> bool {
         let closing_mps = |wait_s| {
             let beside = authority.beside(ego, threat, Plan::Brake(wait_s), 0.0);
-            beside.map_or(0.0, |beside| beside.first_mps)
+            // The ego stands by then.
+            beside.map_or(-threat.speed_mps, |beside| beside.first_mps)
         };
         let gained_mps = authority.deceleration_mps2 * wait_s;
         closing_mps(wait_s) - closing_mps(0.0) > LOST_SHARE * gained_mps
