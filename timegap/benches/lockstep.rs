@@ -1,6 +1,6 @@
 //! Lockstep runs in one process against the same runs in process groups, in one invocation.
 //!
-//! `cargo bench -p timegap --bench lockstep`. Both kinds of run alternate, so that both meet the same machine;
+//! `cargo bench -p timegap --features studies --bench lockstep`. Both kinds of run alternate, so that both meet the same machine;
 //! figures are medians. A missed goal is printed as missed and is not a failure.
 //!
 //! The rows of curves are the same on a straight road and on a random road of curves. Both have the radar's detections

@@ -1,6 +1,6 @@
 //! Throughput of a search against the loop of its runs alone, in one invocation.
 //!
-//! `cargo bench -p timegap --bench search [-- RUNS...]`. Searches of 100, 300 and 1,000 runs, with their start, their
+//! `cargo bench -p timegap --features studies --bench search [-- RUNS...]`. Searches of 100, 300 and 1,000 runs, with their start, their
 //! repeated runs in process groups and their results. The floor is the loop of such runs in lockstep, without what a
 //! search adds: points, scenarios, summaries, requirements, records. Both are judged by processor time, since wall time
 //! depends on the machine's other work. A missed goal is printed as missed and is not a failure.
