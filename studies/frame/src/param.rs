@@ -74,7 +74,7 @@ pub fn refuse_if_set(by: &str, key: &str, options: &ScenarioOptions) -> Result<(
 /// The fault of a list or range.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub struct ListError(String);
+pub struct ListError(pub String);
 
 /// The values of a list or a range, both ends included:
 ///

@@ -1,6 +1,6 @@
 //! Variables: what a search may choose, and the unit interval that stands for it.
 
-use frame::param::values;
+use frame::param::{ListError, values};
 use serde::{Deserialize, Serialize};
 
 /// A quantity that a search chooses.
@@ -38,7 +38,7 @@ pub enum Value {
 
 impl Domain {
     /// Reads `A..B`, `A..B:log`, or the values of a list as [`frame::param::values`] does.
-    pub fn parse(text: &str) -> Result<Self, String> {
+    pub fn parse(text: &str) -> Result<Self, ListError> {
         let text = text.trim();
         let (ends, is_log) = text.strip_suffix(":log").map_or((text, false), |ends| (ends, true));
         if let Some((from, to)) = ends.split_once("..")
@@ -46,13 +46,13 @@ impl Domain {
             && !to.contains(['/', ':'])
         {
             // The ends are the range's only values.
-            let ends = values(&format!("{text}:2"), None).map_err(|why| why.to_string())?;
+            let ends = values(&format!("{text}:2"), None)?;
             let end = |place: usize| ends[place].parse().expect("the end of a range");
             return Ok(Self::Range { from: end(0), to: end(1), is_log });
         }
-        let all = values(text, None).map_err(|why| why.to_string())?;
+        let all = values(text, None)?;
         if all.len() < 2 {
-            return Err("one value leaves nothing to choose".to_owned());
+            return Err(ListError("one value leaves nothing to choose".to_owned()));
         }
         let number = |value: &String| value.parse().ok().filter(|number: &f64| number.is_finite());
         Ok(match all.iter().map(number).collect::<Option<Vec<f64>>>() {
@@ -242,7 +242,7 @@ mod tests {
             ("1,2,1", "1 is there twice"),
         ] {
             let said = Domain::parse(text).expect_err(text);
-            assert!(said.contains(what), "{text}: {said}");
+            assert!(said.0.contains(what), "{text}: {said}");
         }
     }
 }
