@@ -32,7 +32,7 @@ red light, a failed check); 2 bad usage or a bad file; 3 the machine would not l
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run the process group through a scenario
-    Run(crate::run::RunArguments),
+    Run(Box<crate::run::RunArguments>),
     /// Inject a fault into a run in progress
     Inject(crate::inject::InjectArguments),
     /// Show a run in progress or a recording live in Foxglove
@@ -185,10 +185,7 @@ impl Cli {
         let (words, note) = renamed(std::env::args_os().collect());
         let (words, of_option) = with_new_options(words);
         note.iter().chain(&of_option).for_each(|note| eprintln!("{note}"));
-        #[cfg(not(feature = "studies"))]
-        if words.get(1).is_some_and(|word| studies::ELSEWHERE.iter().any(|one| word == one)) {
-            return Err(studies::hand_over(&words));
-        }
+        studies::hand_over(&words)?;
         Ok(Self::of(words).unwrap_or_else(|error| explain(error).exit()))
     }
 

@@ -1,6 +1,7 @@
 //! What this program does not know is in `timegap-studies`, beside it.
 
-use crate::cli::Command;
+use crate::cli::{Cli, Command};
+use clap::CommandFactory;
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
@@ -27,26 +28,18 @@ pub type ExportFmu = Words;
 pub type List = Words;
 pub type Print = Words;
 
-/// Words that only the other program knows.
-pub const ELSEWHERE: [&str; 13] = [
-    "compare",
-    "sweep",
-    "string",
-    "search",
-    "campaign",
-    "test",
-    "papers",
-    "merge",
-    "resume",
-    "bench",
-    "export-fmu",
-    "list",
-    "print",
-];
+/// Goes on as the other program where only that one knows the word.
+pub fn hand_over(words: &[OsString]) -> Result<(), Error> {
+    let command = Cli::command();
+    let word = words.get(1).and_then(|word| command.find_subcommand(word));
+    match word.filter(|word| word.get_arguments().any(|argument| argument.get_id() == "words")) {
+        Some(word) => Err(go_on(words, word.get_name())),
+        None => Ok(()),
+    }
+}
 
-/// Goes on as the program that knows the word. It returns only where that cannot be.
-pub fn hand_over(words: &[OsString]) -> Error {
-    let word = words.get(1).map(|word| word.display().to_string()).unwrap_or_default();
+/// Returns only where the other program cannot be started.
+fn go_on(words: &[OsString], word: &str) -> Error {
     let own = match std::env::current_exe() {
         Ok(own) => own,
         Err(reason) => return Error::path("find", Path::new("this program"))(reason),

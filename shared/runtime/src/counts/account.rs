@@ -32,7 +32,7 @@ impl LastAccount {
     pub fn take(group: &Group, service: Service, incarnation: u32) -> Option<Self> {
         let path = path(group, service, incarnation);
         let last = Checkpoint::existing(&path)?.restore();
-        // What is left goes with the run.
+        // The rest goes with the run.
         let _ = std::fs::remove_file(path);
         last
     }
