@@ -11,6 +11,7 @@ use its::time::{Stamp, TimeMark};
 use its::{Frame, Message, pcap};
 use libtest_mimic::{Arguments, Trial};
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
@@ -258,8 +259,11 @@ fn tshark_reads_every_field() {
     }
 }
 
+/// A Python with pycrate. Test processes run side by side: the first one creates it, and the others wait.
 fn interpreter() -> Result<PathBuf, String> {
     let venv = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pycrate-venv");
+    let lock = File::create(venv.with_extension("lock")).map_err(|error| error.to_string())?;
+    lock.lock().map_err(|error| error.to_string())?;
     let python = venv.join("bin/python");
     let has = |python: &Path| {
         let output = Command::new(python).args(["-c", "import pycrate_asn1dir.ITS_IS"]).output();
@@ -270,10 +274,14 @@ fn interpreter() -> Result<PathBuf, String> {
     }
     let step = |command: &mut Command, what: &str| match command.output() {
         Ok(output) if output.status.success() => Ok(()),
-        Ok(_) => Err(format!("{what} failed")),
+        Ok(output) => {
+            let text = String::from_utf8_lossy(&output.stderr);
+            Err(format!("{what}: {}", text.trim().lines().last().unwrap_or("no reason given")))
+        }
         Err(error) => Err(format!("{what}: {error}")),
     };
-    step(Command::new("python3").args(["-m", "venv"]).arg(&venv), "python3 -m venv")?;
+    // The remains of an interrupted attempt would be in the way.
+    step(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&venv), "python3 -m venv")?;
     let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", PYCRATE];
     step(Command::new(&python).args(pip), "pip install pycrate")?;
     if has(&python) { Ok(python) } else { Err("pycrate does not start".to_owned()) }
