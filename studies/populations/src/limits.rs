@@ -30,13 +30,15 @@ limits! {
     "signals" "cycles_missed_ratio": 0.5, "", "2026-11-28", CHOSEN;
     "signals" "trip_ratio": 1.0, "", "2026-11-28", "a countdown is worth something";
     "signals" "wrong_trip_ratio": 1.03, "", "2026-11-28", "chosen: lost until they are known to be wrong";
-    "curves" "lead_lost.share": 0.005, "", "2026-11-26", CHOSEN;
+    "curves" "lead_lost.share": LOST_SHARE, "", "2026-11-26", CHOSEN;
+    "curves" "lead_lost.roads_share": 0.0, "", "2026-11-28", "the same limit on each road";
     "curves" "lead_lost.per_km": 0.1, "1/km", "2026-11-26", CHOSEN;
     "curves" "neighbour_taken.per_km": 0.1, "1/km", "2026-11-26", CHOSEN;
     "curves" "phantom_interventions": 0.0, "", "2026-11-26", CHOSEN;
-    "curves" "braked_share": 0.01, "", "2026-11-26", CHOSEN;
+    "curves" "braked_share": 0.02, "", "2026-11-28", "an observer of many roads rules them out from 94 m on";
+    "curves" "beyond_comfort_share": 0.2, "", "2026-11-28", "that observer decides after 1.6 s in the median";
     "curves" "avoidable_collisions": 0.0, "", "2026-11-26", CHOSEN;
-    "curves" "seen_late": 0.0, "", "2026-11-26", CHOSEN;
+    "curves" "seen_late": 0.0, "", "2026-11-28", "that observer decides after 3.9 s at the latest";
     "everyday" "avoidable": 0.0, "", "2026-11-21", "UN R157, 5.2.5.2";
     "everyday" "needless": 0.0, "", "2026-11-26", CHOSEN;
     "everyday" "alone.avoidable_share": 0.01, "", "2026-11-26", CHOSEN;
@@ -54,8 +56,13 @@ pub const BRAKED_MPS2: f64 = -1.5;
 /// `curves`: deceleration from sight that decides whether a collision was avoidable, m/s² (2026-11-26, UN R157,
 /// 5.2.5.2).
 pub const FROM_SIGHT_MPS2: f64 = 6.0;
-/// `curves`: longest time from sight to the target, s (2026-11-26, chosen).
-pub const SEEN_WITHIN_S: f64 = 0.5;
+/// `curves`: share of the time for which a lead may be lost (2026-11-26, chosen).
+pub const LOST_SHARE: f64 = 0.005;
+/// `curves`: braking before a queue that is comfortable, m/s² (2026-11-28, the prices of the target selection).
+pub const COMFORT_MPS2: f64 = 2.5;
+/// `curves`: hardest braking before a queue that a law has to ask for, m/s² (2026-11-28, chosen: below the emergency
+/// brake).
+pub const HARD_MPS2: f64 = 4.5;
 /// `everyday`: braking beyond which there is a need, m/s² (2026-11-26, chosen: the moderate stop of the gateway).
 pub const NEED_MPS2: f64 = ReferenceDriver::NEED_MPS2;
 /// `everyday`: time from the need until the reference takes over, s (2026-11-21, UN R157, 5.2.5.2: the time in its

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! drive ─ report::targets ─► scans with lead, owner of the target and place ─► sums by place
-//!       └ scenes ─► sight of the queue ─► time to the target, avoidable collision
+//!       └ scenes ─► sight of the queue ─► braking left when it becomes the target, avoidable collision
 //! ```
 //!
 //! The queue is in sight if the radar's range and field of view contain the middle of its last vehicle's rear.
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use supervise::PlaneScene;
 use supervise::report::Outcome;
 
-use crate::limits::{BRAKED_MPS2, FROM_SIGHT_MPS2, SEEN_WITHIN_S};
+use crate::limits::{BRAKED_MPS2, COMFORT_MPS2, FROM_SIGHT_MPS2, HARD_MPS2};
 use crate::population::Drive;
 
 /// Sight of a queue in the lane, and the time at which it became the target.
@@ -29,6 +29,20 @@ pub struct Sight {
     pub speed_mps: f64,
     /// Time from then to the first message with it as the target, s; none: never. Negative: before.
     pub seen_after_s: Option<f64>,
+    /// Braking that stops the ego before it, from that message on, m/s²; none: it never became the target.
+    pub needed_mps2: Option<f64>,
+}
+
+impl Sight {
+    /// Braking that stops the ego before it, from the sight on, m/s².
+    pub fn from_sight_mps2(&self) -> f64 {
+        stopping_mps2(self.speed_mps, self.gap_m)
+    }
+}
+
+/// Braking that stops within a gap, m/s².
+fn stopping_mps2(speed_mps: f64, gap_m: f64) -> f64 {
+    speed_mps.powi(2) / (2.0 * gap_m.max(f64::MIN_POSITIVE))
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,17 +90,26 @@ impl Facts {
         self.lowest_request_mps2.is_some_and(|request| request < BRAKED_MPS2)
     }
 
-    /// A queue in the lane became the target too late.
+    /// A queue in the lane became the target when comfortable braking no longer sufficed, or never.
+    pub fn is_beyond_comfort(&self) -> bool {
+        self.needs_more_than(COMFORT_MPS2)
+    }
+
+    /// A queue in the lane became the target too late for hard braking, or never, though it suffices from sight.
     pub fn is_seen_late(&self) -> bool {
-        let late =
-            |sight: &Sight| sight.seen_after_s.is_none_or(|after| after > SEEN_WITHIN_S + 1e-9);
-        self.sight.as_ref().is_none_or(late)
+        let is_in_time = self.sight.is_none_or(|sight| sight.from_sight_mps2() <= HARD_MPS2);
+        is_in_time && self.needs_more_than(HARD_MPS2)
+    }
+
+    fn needs_more_than(&self, most_mps2: f64) -> bool {
+        let needed = self.sight.and_then(|sight| sight.needed_mps2);
+        needed.is_none_or(|needed| needed > most_mps2)
     }
 }
 
 /// The run ended in a collision that braking from sight avoids.
 pub fn is_avoidable(drive: &Drive<Facts>) -> bool {
-    let stops = |sight: &Sight| sight.speed_mps.powi(2) / (2.0 * FROM_SIGHT_MPS2) < sight.gap_m;
+    let stops = |sight: &Sight| sight.from_sight_mps2() < FROM_SIGHT_MPS2;
     // A collision without sight of the vehicle is not the queue's: nothing had to be hit.
     drive.outcome == Outcome::Collision && drive.facts.sight.as_ref().is_none_or(stops)
 }
@@ -114,10 +137,19 @@ fn sight(
     let target = |judged: &&JudgedScan| judged.owner == Some(Owner::Vehicle(lead.vehicle));
     let seen = scans.iter().find(target).and_then(|judged| {
         let scene = scenes.iter().find(|scene| scene.time_s == judged.time_s)?;
-        Some(scene.seen?.published_s - scan.time_s)
+        let gap_m = judged.lead.map_or(0.0, |lead| lead.gap_m);
+        Some((
+            scene.seen?.published_s - scan.time_s,
+            stopping_mps2(speed_mps(judged.time_s), gap_m),
+        ))
     });
-    let speed_mps = speed_mps(scan.time_s);
-    Some(Sight { at_s: scan.time_s, gap_m: lead.gap_m, speed_mps, seen_after_s: seen })
+    Some(Sight {
+        at_s: scan.time_s,
+        gap_m: lead.gap_m,
+        speed_mps: speed_mps(scan.time_s),
+        seen_after_s: seen.map(|(after_s, _)| after_s),
+        needed_mps2: seen.map(|(_, needed_mps2)| needed_mps2),
+    })
 }
 
 #[cfg(test)]
@@ -153,5 +185,6 @@ mod tests {
         let found = sight(&scenes, &scans, &Radar::default(), &|_| 15.0).expect("it is in sight");
         assert_eq!((found.at_s, found.speed_mps), (2.0, 15.0));
         assert!((found.seen_after_s.expect("it is seen") - 1.05).abs() < 1e-9);
+        assert_eq!((found.needed_mps2, found.from_sight_mps2()), (Some(1.875), 1.875));
     }
 }

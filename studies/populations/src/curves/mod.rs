@@ -17,6 +17,7 @@ use supervise::Error;
 use supervise::report::Outcome;
 
 use crate::figures::{Drives, Figure, Group, figures};
+use crate::limits::LOST_SHARE;
 use crate::population::{Drive, DriveOptions, Finding, Planned, Population, only_law};
 use judge::{Facts, is_avoidable};
 
@@ -122,6 +123,8 @@ impl Population for Curves {
             count("phantom_interventions", "phantom brakings", PHANTOMS).less() =>
                 |all| json!(all.all.iter().map(|drive| phantoms(drive)).sum::<u64>());
             count("beside", "", "Drives beside a queue").hidden() => |all| json!(all.count(|drive| drive.is(BESIDE)));
+            share("lead_lost.roads_share", "roads with losses", ROADS).weight(2) =>
+                |all| json!(all.share(|drive| is_lost_often(drive), |drive| drive.is(ROAD)));
             share("braked_share", "braked beside", BRAKED) =>
                 |all| json!(all.share(|drive| drive.facts.is_braked(), |drive| drive.is(BESIDE)));
             count("in_lane", "", "Drives with a queue in the lane").hidden() =>
@@ -130,6 +133,8 @@ impl Population for Curves {
                 |all| json!(all.count(|drive| drive.outcome == Outcome::Collision));
             count("avoidable_collisions", "avoidable", "Collisions that 6 m/s² from sight avoids").less() =>
                 |all| json!(all.count(is_avoidable));
+            share("beyond_comfort_share", "beyond comfort", BEYOND_COMFORT) =>
+                |all| json!(all.share(|drive| drive.facts.is_beyond_comfort(), |drive| drive.is(IN_LANE)));
             count("seen_late", "seen late", LATE).less() => |all| json!(all.count(is_seen_late));
             number("seen_after_p99_s", "seen after, p99", "s", 2, SEEN).less().weight(1) =>
                 |all| json!(all.quantile(0.99, |drive| drive.is(IN_LANE).then(|| seen_after_s(drive))));
@@ -186,6 +191,12 @@ fn is_seen_late(drive: &Drive<Facts>) -> bool {
     drive.is(IN_LANE) && drive.facts.is_seen_late()
 }
 
+/// The lead was lost for a larger share of the time on this road than is accepted over all roads.
+fn is_lost_often(drive: &Drive<Facts>) -> bool {
+    let sums = drive.facts.sums(None);
+    drive.is(ROAD) && sums.lost_s > LOST_SHARE * sums.lead_s
+}
+
 /// Time from sight of a queue to the target, s; infinite if it never became one.
 fn seen_after_s(drive: &Drive<Facts>) -> f64 {
     drive.facts.sight.and_then(|sight| sight.seen_after_s).unwrap_or(f64::INFINITY)
@@ -217,8 +228,11 @@ const TAKEN_PER_KM: &str = "Number of times per km that such a vehicle became th
 const NOTHING: &str = "Share of the time in which the target is not a vehicle";
 const PHANTOMS: &str = "Interventions of the emergency brake on random roads and beside queues";
 const BRAKED: &str = "Share of the drives beside a queue with a request below -1.5 m/s²";
-const LATE: &str =
-    "Queues in the lane that became the target later than 0.5 s after sight, or never";
+const ROADS: &str =
+    "Share of the random roads on which the lead is lost for more than 0.5 % of the time";
+const BEYOND_COMFORT: &str = "Share of the queues in the lane that became the target when more than 2.5 m/s² was needed, or never";
+const LATE: &str = "Queues in the lane that became the target when more than 4.5 m/s² was needed, or never; those that \
+     need more from sight do not count";
 const SEEN: &str =
     "Time from sight to the target that 99 % of the queues kept; null where more never became one";
 
@@ -231,7 +245,13 @@ mod tests {
     /// A drive without a finding.
     fn example(scene: &str, sources: &str) -> Drive<Facts> {
         let road = Sums { time_s: 200.0, km: 5.0, lead_s: 150.0, ..Sums::default() };
-        let sight = Sight { at_s: 3.0, gap_m: 150.0, speed_mps: 20.0, seen_after_s: Some(0.4) };
+        let sight = Sight {
+            at_s: 3.0,
+            gap_m: 150.0,
+            speed_mps: 20.0,
+            seen_after_s: Some(0.4),
+            needed_mps2: Some(1.4),
+        };
         let facts = Facts {
             places: [road, Sums::default(), Sums::default(), Sums::default()],
             lowest_request_mps2: Some(-0.4),
@@ -261,7 +281,7 @@ mod tests {
         let in_lane = Drive { figures, ..example(IN_LANE, COUNTED) };
         let found = figures_of(&[road, beside, in_lane]);
         assert_eq!(found["km"], 5.0, "random roads alone");
-        assert_eq!(found["lead_lost"], json!({"share": 0.01, "per_km": 0.4}));
+        assert_eq!(found["lead_lost"], json!({"share": 0.01, "per_km": 0.4, "roads_share": 1.0}));
         assert_eq!(found["neighbour_taken"], json!({"share": 0.01, "per_km": 0.2}));
         assert_eq!(
             (&found["phantom_interventions"], &found["braked_share"]),
@@ -283,13 +303,17 @@ mod tests {
 
     #[test]
     fn a_queue_that_is_seen_late_or_never_is_a_finding() {
-        let seen = |seen_after_s| {
+        let seen = |needed_mps2, gap_m| {
             let mut drive = example(IN_LANE, COUNTED);
-            drive.facts.sight = drive.facts.sight.map(|sight| Sight { seen_after_s, ..sight });
-            Curves::finding(&drive)
+            drive.facts.sight =
+                drive.facts.sight.map(|sight| Sight { needed_mps2, gap_m, ..sight });
+            (Curves::finding(&drive).is_some(), drive.facts.is_beyond_comfort())
         };
-        assert_eq!((seen(Some(0.5)), seen(Some(-1.0))), (None, None));
-        assert!(matches!(seen(Some(0.55)), Some(Finding::Counts(_))) && seen(None).is_some());
+        assert_eq!(seen(Some(2.5), 150.0), (false, false));
+        assert_eq!(seen(Some(4.5), 150.0), (false, true));
+        assert_eq!(seen(Some(4.6), 150.0), (true, true));
+        assert_eq!(seen(None, 150.0), (true, true));
+        assert_eq!(seen(Some(4.6), 44.0), (false, true), "4.55 m/s² from sight");
         assert_eq!(Curves::finding(&example(ROAD, COUNTED)), None);
     }
 
