@@ -87,6 +87,7 @@ pub fn input(setting: &Setting, samples: &Samples<'_>, trust: SignalTrust, time_
         powertrain: samples.powertrain.map(|powertrain| powertrain_at(powertrain, samples, time_s)),
         preview: samples.preview.map(preview),
         set_speed_mps: setting.set_speed_mps,
+        profile: None,
         speed_limit_mps: samples
             .preview
             .map_or(f64::INFINITY, |preview| preview.speed_limit_mps)

@@ -3,6 +3,7 @@
 use super::following::kinematics::Motion;
 use super::following::safe_gap::LeadNow;
 use super::preview::Preview;
+use super::profile::SpeedProfile;
 
 /// Largest number of signals in a law's input, nearest first.
 pub const MAX_SIGNALS: usize = 4;
@@ -121,8 +122,10 @@ pub struct Input {
     pub powertrain: Option<Powertrain>,
     /// The road ahead, if a map describes it.
     pub preview: Option<Preview>,
-    /// Driver's set speed, m/s.
+    /// Driver's set speed, or what the road ahead allows now, m/s.
     pub set_speed_mps: f64,
+    /// The same along the road, where it is known to bend. For laws with a horizon.
+    pub profile: Option<SpeedProfile>,
     /// Legal limit on this road, m/s (infinite when unknown).
     pub speed_limit_mps: f64,
 }
@@ -133,6 +136,14 @@ const FASTEST_MPS: f64 = 150.0;
 const FARTHEST_M: f64 = 1e6;
 
 impl Input {
+    /// Caps the set speed, now and along the road, m/s.
+    pub fn cap_speed(&mut self, most_mps: f64) {
+        self.set_speed_mps = self.set_speed_mps.min(most_mps);
+        if let Some(profile) = &mut self.profile {
+            profile.cap(0.0, f64::INFINITY, most_mps, 0.0);
+        }
+    }
+
     /// The speed to drive without a target, m/s: the set speed within the limit.
     pub fn wanted_speed_mps(&self) -> f64 {
         self.set_speed_mps.min(self.speed_limit_mps).max(0.0)

@@ -12,6 +12,7 @@ mod input;
 mod output;
 mod planning;
 mod preview;
+mod profile;
 mod reader;
 pub mod settings;
 
@@ -23,6 +24,7 @@ pub use input::{
 pub use output::{MAX_FIGURES, MAX_PLAN, Output, Quality};
 pub use planning::{MAX_SEGMENTS, Plan, PlanRequest, Planner, Planning, Segment};
 pub use preview::{MAX_CELLS, Preview};
+pub use profile::{RESPONSE_S, SpeedProfile};
 pub use reader::Reader;
 
 /// A cruise controller.

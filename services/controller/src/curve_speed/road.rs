@@ -4,6 +4,8 @@
 const SHARPEST_PERM: f64 = 1.0 / 15.0;
 /// Distance between two looks at a clothoid, m.
 const STEP_M: f64 = 5.0;
+/// Way on which the curve of the ego's own way goes on, m. Chosen: the way of 1.5 s at 33 m/s.
+const OWN_M: f64 = 50.0;
 /// A clothoid is looked at so far ahead at most, m.
 const FARTHEST_M: f64 = 300.0;
 
@@ -30,7 +32,7 @@ pub struct Cells<'a> {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RoadAhead<'a> {
-    /// Curvature of the ego's own way, 1/m. It counts where nothing else is known.
+    /// Curvature of the ego's own way, 1/m. It counts without a map: a course may be wrong about a tight curve.
     pub own_perm: Option<f64>,
     /// Perception's estimate.
     pub course: Option<Clothoid>,
@@ -38,13 +40,13 @@ pub struct RoadAhead<'a> {
 }
 
 impl RoadAhead<'_> {
-    /// Calls `see` with the places of the road, m ahead, and their curvatures, 1/m. Curvatures that no road can have
-    /// are left out.
-    pub(super) fn each(&self, mut see: impl FnMut(f64, f64)) {
-        let mut sound = |ahead_m: f64, curvature_perm: f64| {
+    /// Calls `see` with the stretches of the road, from and to m ahead, and their curvatures, 1/m. Curvatures that no
+    /// road can have are left out.
+    pub(super) fn each(&self, mut see: impl FnMut(f64, f64, f64)) {
+        let mut sound = |from_m: f64, to_m: f64, curvature_perm: f64| {
             // NaN is not below either.
             if curvature_perm.abs() <= SHARPEST_PERM {
-                see(ahead_m, curvature_perm);
+                see(from_m, to_m, curvature_perm);
             }
         };
         if let Some(course) = &self.course {
@@ -52,42 +54,31 @@ impl RoadAhead<'_> {
             let steps = (valid_m / STEP_M) as u32;
             for step in 0..=steps {
                 let ahead_m = f64::from(step) * STEP_M;
-                sound(ahead_m, course.curvature_perm + course.rate_perm2 * ahead_m);
+                let curvature_perm = course.curvature_perm + course.rate_perm2 * ahead_m;
+                sound(ahead_m, ahead_m + STEP_M, curvature_perm);
             }
         }
         if let Some(map) = self.cells() {
             for (cell, curvature_perm) in map.curvatures_perm.iter().enumerate() {
-                let begin_m = map.first_m + cell as f64 * map.cell_m;
-                if begin_m + map.cell_m > 0.0 {
-                    // A mean is reached in the cell's middle, or half a cell earlier where the next cell is as sharp.
-                    sound((begin_m - 0.5 * map.cell_m).max(0.0), *curvature_perm);
+                // A mean is reached in the cell's middle, or half a cell earlier where the next cell is as sharp.
+                let from_m = map.first_m + (cell as f64 - 0.5) * map.cell_m;
+                if from_m + 1.5 * map.cell_m > 0.0 {
+                    sound(from_m.max(0.0), (from_m + map.cell_m).max(0.0), *curvature_perm);
                 }
             }
         }
-        if self.course.is_none()
-            && self.cells().is_none()
+        if self.cells().is_none()
             && let Some(own_perm) = self.own_perm
         {
-            sound(0.0, own_perm);
+            sound(0.0, OWN_M, own_perm);
         }
-    }
-
-    /// Curvature at the ego, 1/m: of what is known the sharpest.
-    pub(super) fn here_perm(&self) -> f64 {
-        let mut here_perm = 0.0_f64;
-        self.each(|ahead_m, curvature_perm| {
-            if ahead_m == 0.0 && curvature_perm.abs() > here_perm.abs() {
-                here_perm = curvature_perm;
-            }
-        });
-        here_perm
     }
 
     /// True if the road bends by at least `curve_perm` on the next `way_m`.
     pub(super) fn bends_within(&self, way_m: f64, curve_perm: f64) -> bool {
         let mut bends = false;
-        self.each(|ahead_m, curvature_perm| {
-            bends |= ahead_m <= way_m && curvature_perm.abs() >= curve_perm;
+        self.each(|from_m, _, curvature_perm| {
+            bends |= from_m <= way_m && curvature_perm.abs() >= curve_perm;
         });
         bends
     }
@@ -106,9 +97,9 @@ impl RoadAhead<'_> {
 mod tests {
     use super::*;
 
-    fn places(road: &RoadAhead<'_>) -> Vec<(f64, f64)> {
+    fn places(road: &RoadAhead<'_>) -> Vec<(f64, f64, f64)> {
         let mut places = Vec::new();
-        road.each(|ahead_m, curvature_perm| places.push((ahead_m, curvature_perm)));
+        road.each(|from_m, to_m, curvature_perm| places.push((from_m, to_m, curvature_perm)));
         places
     }
 
@@ -118,21 +109,20 @@ mod tests {
         let map =
             |first_m| Some(Cells { first_m, cell_m: 25.0, curvatures_perm: &curvatures_perm });
         let road = RoadAhead { map: map(-10.0), own_perm: Some(9e-3), ..RoadAhead::default() };
-        assert_eq!(places(&road), [(0.0, 1e-3), (2.5, 2e-3), (27.5, 3e-3)]);
-        assert_eq!(road.here_perm(), 1e-3);
+        assert_eq!(places(&road), [(0.0, 2.5, 1e-3), (2.5, 27.5, 2e-3), (27.5, 52.5, 3e-3)]);
         assert!(road.bends_within(2.5, 2e-3) && !road.bends_within(2.0, 2e-3));
         let passed = RoadAhead { map: map(-30.0), ..RoadAhead::default() };
-        assert_eq!(places(&passed)[0], (0.0, 2e-3));
+        assert_eq!(places(&passed)[0], (0.0, 7.5, 2e-3));
     }
 
     #[test]
-    fn the_own_way_counts_where_nothing_else_is_known() {
+    fn the_own_way_counts_where_no_map_is_known() {
         let own = RoadAhead { own_perm: Some(-2e-3), ..RoadAhead::default() };
-        assert_eq!(places(&own), [(0.0, -2e-3)]);
+        assert_eq!(places(&own), [(0.0, OWN_M, -2e-3)]);
         let ended = Cells { first_m: -90.0, cell_m: 25.0, curvatures_perm: &[1e-3] };
-        assert_eq!(places(&RoadAhead { map: Some(ended), ..own }), [(0.0, -2e-3)]);
+        assert_eq!(places(&RoadAhead { map: Some(ended), ..own }), [(0.0, OWN_M, -2e-3)]);
         let empty = Cells { curvatures_perm: &[], ..ended };
-        assert_eq!(places(&RoadAhead { map: Some(empty), ..own }), [(0.0, -2e-3)]);
+        assert_eq!(places(&RoadAhead { map: Some(empty), ..own }), [(0.0, OWN_M, -2e-3)]);
         assert_eq!(places(&RoadAhead::default()), []);
     }
 
@@ -140,7 +130,9 @@ mod tests {
     fn a_course_counts_as_far_as_it_holds() {
         let course = Clothoid { curvature_perm: 1e-3, rate_perm2: 1e-4, valid_m: 12.0 };
         let road = RoadAhead { course: Some(course), ..RoadAhead::default() };
-        let [(0.0, a), (5.0, b), (10.0, c)] = places(&road)[..] else { panic!("three places") };
+        let [(0.0, 5.0, a), (5.0, 10.0, b), (10.0, 15.0, c)] = places(&road)[..] else {
+            panic!("three places")
+        };
         assert!((a - 1e-3).abs() < 1e-12 && (b - 1.5e-3).abs() < 1e-12);
         assert!((c - 2e-3).abs() < 1e-12);
     }
@@ -149,7 +141,10 @@ mod tests {
     fn impossible_points_of_a_road_are_left_out() {
         let wrong = [f64::NAN, f64::INFINITY, 0.1, -1e-3];
         let map = Cells { first_m: 0.0, cell_m: 25.0, curvatures_perm: &wrong };
-        assert_eq!(places(&RoadAhead { map: Some(map), ..RoadAhead::default() }), [(62.5, -1e-3)]);
+        assert_eq!(
+            places(&RoadAhead { map: Some(map), ..RoadAhead::default() }),
+            [(62.5, 87.5, -1e-3)]
+        );
         for map in [Cells { cell_m: f64::NAN, ..map }, Cells { first_m: f64::NAN, ..map }] {
             assert_eq!(places(&RoadAhead { map: Some(map), ..RoadAhead::default() }), []);
         }

@@ -92,7 +92,7 @@ impl Caution {
             Sight::Limited => LIMITED_MPS,
             Sight::Blind => BLIND_MPS,
         };
-        input.set_speed_mps = input.set_speed_mps.min(most_mps);
+        input.cap_speed(most_mps);
         true
     }
 
@@ -101,7 +101,7 @@ impl Caution {
         let period_s = input.period_s;
         if is_blind {
             let from_mps = *self.blind_from_mps.get_or_insert(input.ego.speed_mps.max(0.0));
-            input.set_speed_mps = input.set_speed_mps.min(from_mps);
+            input.cap_speed(from_mps);
             self.proof_s = (self.proof_s + period_s).min(LONGEST_S);
             self.most_mps2 = if input.target.is_some() { 0.0 } else { BLIND_MPS2 };
             return;

@@ -164,6 +164,7 @@ impl RoadLaw {
             lines,
             count,
             desired_mps: input.set_speed_mps.min(input.speed_limit_mps).clamp(0.0, NO_LIMIT_MPS),
+            profile: input.profile,
         })
     }
 

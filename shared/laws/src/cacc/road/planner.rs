@@ -13,7 +13,7 @@ use crate::cacc::paper::usable;
 use law::following::driver::Driver;
 use law::following::kinematics::{Lag, LagStep, Motion};
 use law::following::safe_gap::{LeadNow, SafeGap};
-use law::{Input, MAX_PLAN, MAX_SIGNALS};
+use law::{Input, MAX_PLAN, MAX_SIGNALS, SpeedProfile};
 
 /// Least time constant with which a lead's gain of speed before a line decays, s. Chosen: a start takes longer than the
 /// braking for which `lead_decay_s` was chosen.
@@ -28,6 +28,8 @@ pub(super) struct Seen {
     pub(super) lines: [Line; MAX_SIGNALS],
     pub(super) count: usize,
     pub(super) desired_mps: f64,
+    /// The same along the road.
+    pub(super) profile: Option<SpeedProfile>,
 }
 
 /// Makes candidates.
@@ -127,6 +129,7 @@ impl Planner {
             lag: self.lag,
             now_s: input.time_s,
             desired_mps: seen.desired_mps,
+            profile: seen.profile.as_ref(),
             origin_m: input.ego.position_m,
             safe_gap: &self.safe_gap,
             lead,
@@ -143,10 +146,10 @@ impl Planner {
                 let lag = (&self.lag, self.config.model_time_constant_s);
                 fastest.roll_out(start, limits, lag, &self.safe, lead);
             }
-            self.programs.fill_go(&candidate.reference, lead, seen.desired_mps, deadline, fastest);
+            self.programs.fill_go(&candidate.reference, lead, deadline, fastest);
             &self.programs.go
         } else {
-            self.programs.fill_hold(&candidate.reference, lead, seen.desired_mps);
+            self.programs.fill_hold(&candidate.reference, lead);
             &self.programs.hold
         };
         let report = self.solver.solve(problem, Start::Cold);

@@ -21,7 +21,7 @@
 //! | row | go (comfortable requests only) | hold (all requests) |
 //! |---|---|---|
 //! | 0 | `p <= ceiling` (lead, closed lines) | the same |
-//! | 1 | `v <= v_max + 0.1 m/s` | the same |
+//! | 1 | `v <= v_max + 0.1 m/s`, in curves by the road at the reference's place | the same |
 //! | 2 | `v >= -0.1 m/s` | the same |
 //! | 3 | `p >= line` at the last stage of green | `a >= -comfort` |
 //!
@@ -106,17 +106,16 @@ impl Programs {
         &mut self,
         reference: &Reference,
         lead: &Prediction,
-        fastest_mps: f64,
         deadline: Option<Deadline>,
         fastest: &Fastest,
     ) {
         let (t_h, s0) = (self.config.time_headway_s, self.config.road.standstill_gap_m);
-        fill(&mut self.go, &self.config, reference, lead, fastest_mps);
+        fill(&mut self.go, &self.config, reference, lead);
         match deadline {
             Some(Deadline { stage, switch, line_m }) => {
                 if let Some(switch) = switch {
                     let margin_m = reference.motion[switch].position_m - line_m;
-                    let slower = fastest_mps - reference.motion[0].speed_mps;
+                    let slower = reference.fastest_mps[0] - reference.motion[0].speed_mps;
                     let share = (slower / PULL_BAND_MPS).clamp(0.0, 1.0);
                     self.pull(switch, share * switch as f64 * self.light_price(margin_m));
                 }
@@ -153,19 +152,13 @@ impl Programs {
         }
     }
 
-    pub(super) fn fill_hold(&mut self, reference: &Reference, lead: &Prediction, fastest_mps: f64) {
-        fill(&mut self.hold, &self.config, reference, lead, fastest_mps);
+    pub(super) fn fill_hold(&mut self, reference: &Reference, lead: &Prediction) {
+        fill(&mut self.hold, &self.config, reference, lead);
     }
 }
 
 /// Fills what both programs have.
-fn fill(
-    problem: &mut Problem,
-    config: &Config,
-    reference: &Reference,
-    lead: &Prediction,
-    fastest_mps: f64,
-) {
+fn fill(problem: &mut Problem, config: &Config, reference: &Reference, lead: &Prediction) {
     let (t_h, s0, step) = (config.time_headway_s, config.road.standstill_gap_m, config.step_s);
     let (weights, r) = (weights(&config.road), config.road.request_weight_s4_per_m2);
     let error = |k: usize, motion: &Motion| {
@@ -196,7 +189,7 @@ fn fill(
         problem.row_limits_mut(CEILING)[k] = reference.ceiling_m[k] - offset;
         // Above the limit nothing may become faster: a limit that followed would be driven up, cycle by cycle.
         let above = reference.motion[k].speed_mps.min(reference.motion[0].speed_mps);
-        let fastest = (fastest_mps + SPEED_MARGIN_MPS).max(above + EXCESS_MARGIN_MPS);
+        let fastest = (reference.fastest_mps[k] + SPEED_MARGIN_MPS).max(above + EXCESS_MARGIN_MPS);
         problem.row_limits_mut(FAST)[k] = fastest - v_lead;
         problem.row_limits_mut(SLOW)[k] = v_lead + SPEED_MARGIN_MPS;
     }

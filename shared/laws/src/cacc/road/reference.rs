@@ -15,10 +15,10 @@
 use super::lead::Prediction;
 use super::signals::Line;
 use crate::cacc::config::Config;
-use law::MAX_PLAN;
 use law::following::driver::{Driver, Obstacle};
 use law::following::kinematics::{LagStep, Motion};
 use law::following::safe_gap::SafeGap;
+use law::{MAX_PLAN, SpeedProfile};
 
 /// Lag `h` that it assumes when it glides, s.
 const GLIDE_LAG_S: f64 = 0.5;
@@ -50,6 +50,8 @@ pub(super) struct Scene<'a> {
     pub(super) lag: LagStep,
     pub(super) now_s: f64,
     pub(super) desired_mps: f64,
+    /// The same along the road.
+    pub(super) profile: Option<&'a SpeedProfile>,
     /// Distance on the odometer of the roll-out's origin, m.
     pub(super) origin_m: f64,
     pub(super) safe_gap: &'a SafeGapTable,
@@ -68,6 +70,8 @@ pub(super) struct Reference {
     /// Farthest position allowed at each stage by lead and closed lines, never behind the driver,
     /// m.
     pub(super) ceiling_m: [f64; MAX_PLAN + 1],
+    /// Speed that the road allows at each stage, m/s.
+    pub(super) fastest_mps: [f64; MAX_PLAN + 1],
     pub(super) hardest_mps2: f64,
 }
 
@@ -76,6 +80,7 @@ impl Reference {
         motion: [Motion { position_m: 0.0, speed_mps: 0.0, acceleration_mps2: 0.0 }; MAX_PLAN + 1],
         request_mps2: [0.0; MAX_PLAN],
         ceiling_m: [f64::INFINITY; MAX_PLAN + 1],
+        fastest_mps: [f64::INFINITY; MAX_PLAN + 1],
         hardest_mps2: 0.0,
     };
 
@@ -84,6 +89,7 @@ impl Reference {
         self.hardest_mps2 = 0.0;
         self.motion[0] = start;
         self.ceiling_m[0] = f64::INFINITY;
+        self.fastest_mps[0] = scene.desired_mps;
         for k in 0..scene.config.horizon {
             let here = self.motion[k];
             let (request, ceiling) = scene.request(k, here, nearest);
@@ -92,6 +98,8 @@ impl Reference {
             let stands = here.speed_mps == 0.0 && next.speed_mps == 0.0;
             self.request_mps2[k] = if stands { 0.0 } else { request };
             self.motion[k + 1] = next;
+            self.fastest_mps[k + 1] =
+                scene.profile.map_or(scene.desired_mps, |profile| profile.at_mps(next.position_m));
             let behind_lead = if scene.lead.present {
                 scene.lead.position_m[k + 1] - scene.config.road.min_gap_m
             } else {
@@ -144,11 +152,11 @@ impl Scene<'_> {
     /// position.
     fn request(&self, k: usize, here: Motion, nearest: Gate) -> (f64, f64) {
         let v = here.speed_mps;
-        let free = self.driver.free_mps2(v, self.desired_mps);
+        let (desired_mps, free) = self.free(here);
         let mut request = free;
         if let Some(lead) = self.lead.at(k, here.position_m) {
             let lead = lead.obstacle(self.headway_at(v), self.config.road.standstill_gap_m);
-            request = free.min(self.driver.follow_below_mps2(free, v, self.desired_mps, &lead));
+            request = free.min(self.driver.follow_below_mps2(free, v, desired_mps, &lead));
         }
         let time = self.now_s + k as f64 * self.lag.step_s;
         let mut ceiling = f64::INFINITY;
@@ -177,6 +185,17 @@ impl Scene<'_> {
                 request.min(self.before_line(free, v, distance.min(room), opens_in_s, glides));
         }
         (request, ceiling)
+    }
+
+    /// The desired speed, m/s, and the driver's request on a free road.
+    fn free(&self, here: Motion) -> (f64, f64) {
+        let v = here.speed_mps;
+        let Some(profile) = self.profile else {
+            return (self.desired_mps, self.driver.free_mps2(v, self.desired_mps));
+        };
+        let desired_mps = profile.lowest_mps(here.position_m, v);
+        let braking = profile.most_mps2(here.position_m, v).max(-self.driver.hardest_mps2);
+        (desired_mps, self.driver.free_mps2(v, desired_mps).min(braking))
     }
 
     /// Room before a closed line, m. A lead may wait there.
@@ -255,6 +274,7 @@ mod tests {
             lag: lag.discretise(0.1),
             now_s: 0.0,
             desired_mps: 20.0,
+            profile: None,
             origin_m: 0.0,
             safe_gap: &SafeGapTable::new(&safe),
             lead: &lead,
