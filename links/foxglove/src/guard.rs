@@ -4,6 +4,7 @@
 //! faults, and so both are checked.
 
 use crate::protocol::SUBPROTOCOLS;
+use crate::viewer::PATIENCE;
 use std::net::{SocketAddr, TcpStream};
 use std::{fs, io};
 
@@ -20,8 +21,8 @@ pub(crate) enum Refusal {
     Subprotocol,
     #[error("no WebSocket handshake: {0}")]
     Handshake(String),
-    #[error("it does not read its answers")]
-    Answers,
+    #[error("it reads nothing for {} s", PATIENCE.as_secs())]
+    Deaf,
     #[error("it subscribes too often")]
     Subscriptions,
     #[error("not the protocol's JSON: {0}")]

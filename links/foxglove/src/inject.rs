@@ -1,7 +1,7 @@
 //! Requests of a viewer to a run: its keys as parameters, and a service that injects faults.
 
 use crate::protocol::{Parameter, advertise_service};
-use crate::subject::Answer;
+use crate::server::Answer;
 use scenario::faults::{self, Kind, keys_of};
 use scenario::schema::Shape;
 use serde_json::{Value, json};

@@ -1,13 +1,13 @@
 //! A run or a recording, live in Foxglove (or another viewer that speaks its WebSocket protocol).
 //!
 //! ```text
-//!   topics ─► taps ─► encoder ─► server ─┬─► queue ─► writer ─► viewer
-//!   (shared memory)  (as in a file)      └─► queue ─► writer ─► viewer
-//!   supervisor ◄──────── faults ◄──────────── reader ◄───────────┘
+//!   topics ─► taps ─► encoder ─► server: newest messages ─┬─► viewer's thread ◄─► viewer
+//!   (shared memory)  (as in a file)                       └─► viewer's thread ◄─► viewer
+//!   supervisor ◄──────────────── faults ◄─────────────────────────┘
 //! ```
 //!
 //! The bridge is a process of its own beside the recorder. No sender waits for it: it misses what it does not take in
-//! time. Each viewer has a queue of bounded size, which loses its oldest messages. So neither the bridge nor a viewer
+//! time. Messages wait for viewers in a queue of bounded size, which loses its oldest. So neither the bridge nor a viewer
 //! can hold up a control loop, whatever becomes of them.
 //!
 //! The server listens on 127.0.0.1 alone. A viewer must be a process of the same user ([`guard`]), and a web page must
@@ -17,20 +17,17 @@
 //! * [`run`]: the bridge of a group, which the supervisor starts
 //! * [`serve`]: the bridge of a run in progress, or of a recording
 
-mod client;
 mod guard;
 mod inject;
 mod live;
-mod pace;
 mod protocol;
 mod recorded;
 mod server;
-mod subject;
+mod viewer;
 
 pub use live::{run, serve};
 pub use protocol::Parameter;
-pub use server::Server;
-pub use subject::{Answer, Subject};
+pub use server::{Answer, Server, Subject};
 
 use supervise::UsageError;
 

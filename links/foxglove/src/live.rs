@@ -3,8 +3,7 @@
 use crate::inject::{announcement, injector, parameters};
 use crate::port;
 use crate::recorded::{hand_on, play};
-use crate::server::Server;
-use crate::subject::Subject;
+use crate::server::{Server, Subject};
 use messages::Header;
 use recorder::{
     Encoder, FILE, FromRecorder, Metadata, Recording, Start, Taps, ToRecorder, orders, say,
@@ -16,7 +15,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc::RecvTimeoutError;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use supervise::{Error, MachineError, UsageError};
 use supervise::{hold_signals, is_alive, is_signalled, law_names};
 
@@ -24,6 +23,8 @@ use supervise::{hold_signals, is_alive, is_signalled, law_names};
 const REALTIME_POLL: Duration = Duration::from_millis(20);
 /// The same in lockstep, which is as fast as it can be. What comes between two looks may be lost.
 const LOCKSTEP_POLL: Duration = Duration::from_millis(1);
+/// Longest time for what still waits for viewers at the end.
+const LEAVE: Duration = Duration::from_secs(1);
 /// Politeness of the process to all others.
 const NICE: i32 = 10;
 
@@ -176,7 +177,8 @@ fn follow(
             server.send_time(unix_ns);
         }
     }
-    server.end("the run has ended");
+    let ended = Instant::now();
+    server.end("the run has ended", || ended.elapsed() < LEAVE);
     Ok(())
 }
 

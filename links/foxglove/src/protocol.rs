@@ -2,6 +2,7 @@
 //!
 //! <https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md>
 
+use crate::server::Subject;
 use recorder::Channel;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -21,22 +22,26 @@ pub(crate) const SERVICE: u32 = 1;
 /// Name and value of what viewers may read: a number, a text, a truth value, or a list of them.
 pub type Parameter = (String, Value);
 
-pub(crate) fn server_info(name: &str, session: &str, has_service: bool) -> String {
-    let mut capabilities = vec!["time", "parameters"];
-    capabilities.extend(has_service.then_some("services"));
-    json!({
-        "op": "serverInfo",
-        "name": name,
-        "capabilities": capabilities,
-        "supportedEncodings": ["json"],
-        "metadata": {},
-        "sessionId": session,
-    })
-    .to_string()
+impl Subject {
+    /// Texts for a viewer that has connected.
+    pub(crate) fn welcome(&self) -> Vec<String> {
+        let mut capabilities = vec!["time", "parameters"];
+        capabilities.extend(self.service.is_some().then_some("services"));
+        let info = json!({
+            "op": "serverInfo",
+            "name": self.name,
+            "capabilities": capabilities,
+            "supportedEncodings": ["json"],
+            "metadata": {},
+            "sessionId": self.session,
+        });
+        let service = self.service.as_ref().map(|(announcement, _)| announcement.clone());
+        [info.to_string(), advertise(&self.channels)].into_iter().chain(service).collect()
+    }
 }
 
 /// Channel numbers are places in the list.
-pub(crate) fn advertise(channels: &[Channel]) -> String {
+fn advertise(channels: &[Channel]) -> String {
     let one = |(id, channel): (usize, &Channel)| {
         json!({
             "id": id,

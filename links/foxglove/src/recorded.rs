@@ -32,10 +32,7 @@ pub(crate) fn play(recording: &Recording, server: Server, speed: f64) -> ExitCod
         let message = (record.topic, record.log_time_ns, record.bytes());
         server.send_time(hand_on(&mut encoder, message, &server));
     }
-    while !server.is_idle() && !is_signalled() {
-        std::thread::sleep(POLL);
-    }
-    server.end("the recording has ended");
+    server.end("the recording has ended", || !is_signalled());
     let damage: Vec<_> = recording.damage().iter().chain(records.damage()).collect();
     damage.iter().for_each(|damage| eprintln!("{}: {damage}", recording.path().display()));
     if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }

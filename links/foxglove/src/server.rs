@@ -1,32 +1,116 @@
-//! The server: its port, its viewers, and what they are offered.
+//! The server: its port, its viewers, and the messages that wait for them.
+//!
+//! ```text
+//! run ─► newest 16 MiB of messages ─┬─► viewer: its place among them, its subscriptions
+//!                                   └─► viewer
+//! ```
 
-use crate::client::Client;
-use crate::guard::{self, Refusal};
-use crate::protocol::SUBPROTOCOLS;
-use crate::subject::{Subject, report};
+use crate::protocol::{self, Parameter};
+use crate::viewer;
+use recorder::Channel;
+use std::collections::{BTreeMap, VecDeque};
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
-use tungstenite::handshake::server::{ErrorResponse, Request, Response};
-use tungstenite::http::{HeaderValue, StatusCode};
-use tungstenite::{HandshakeError, Message, accept_hdr};
+use std::time::Duration;
 
+/// Most bytes of messages that wait for viewers; beyond them the oldest are lost.
+const MOST_WAITING: usize = 16 << 20;
 /// Most viewers at a time, those that only connect included.
-const MOST_CLIENTS: usize = 16;
-/// Silence of a client that connects after which it is dropped.
-const HANDSHAKE: Duration = Duration::from_secs(5);
-/// Time for what still waits for viewers at the end.
-const LEAVE: Duration = Duration::from_secs(1);
+const MOST_VIEWERS: usize = 16;
+
+/// Answers a request of the service; an error is for the viewer's user.
+pub type Answer = Box<dyn Fn(&[u8]) -> Result<Vec<u8>, String> + Send + Sync>;
+
+/// The offer to viewers.
+pub struct Subject {
+    /// Name of the server.
+    pub name: String,
+    /// Another one for each run: a viewer that comes back knows whether it sees the same run.
+    pub session: String,
+    /// Channels, by the numbers that their messages have.
+    pub channels: Vec<Channel>,
+    /// Values that do not change.
+    pub parameters: Vec<Parameter>,
+    /// The announcement of a service, and the function that answers.
+    pub service: Option<(String, Answer)>,
+}
+
+/// A message on its way to viewers.
+#[derive(Debug)]
+struct Sent {
+    /// Its channel; none for the time alone.
+    channel: Option<u16>,
+    unix_ns: u64,
+    payload: Vec<u8>,
+}
+
+/// Channels by the numbers that a viewer gave its subscriptions.
+pub(crate) type Subscriptions = BTreeMap<u32, u16>;
+
+/// All that the threads of a server share.
+#[derive(Debug, Default)]
+pub(crate) struct Hub {
+    sent: VecDeque<Sent>,
+    bytes: usize,
+    /// Messages that were dropped from the front of `sent`.
+    dropped: u64,
+    /// Viewers by their numbers.
+    pub(crate) viewers: BTreeMap<u64, Subscriptions>,
+    newest: u64,
+    /// The connections end with these words, when all else is written.
+    pub(crate) end: Option<String>,
+}
+
+pub(crate) fn lock(hub: &Mutex<Hub>) -> MutexGuard<'_, Hub> {
+    hub.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Hub {
+    fn put(&mut self, message: Sent) {
+        self.bytes += message.payload.len();
+        self.sent.push_back(message);
+        while self.bytes > MOST_WAITING
+            && let Some(oldest) = self.sent.pop_front()
+        {
+            self.bytes -= oldest.payload.len();
+            self.dropped += 1;
+        }
+    }
+
+    /// Number of the message that is sent next.
+    pub(crate) fn next(&self) -> u64 {
+        self.dropped + self.sent.len() as u64
+    }
+
+    /// Message number `*next` in the viewer's words, once for each of its subscriptions, or `None` if it was not sent
+    /// yet. `*next` moves on. True beside the words if messages before it are lost.
+    pub(crate) fn take(&self, viewer: u64, next: &mut u64) -> Option<(bool, Vec<Vec<u8>>)> {
+        let is_late = *next < self.dropped;
+        *next = self.dropped.max(*next);
+        let Sent { channel, unix_ns, payload } =
+            self.sent.get(usize::try_from(*next - self.dropped).ok()?)?;
+        *next += 1;
+        let own = self.viewers.get(&viewer)?;
+        let words = match channel {
+            None => own.first_key_value().map(|_| protocol::time(*unix_ns)).into_iter().collect(),
+            Some(channel) => own
+                .iter()
+                .filter(|(_, of)| *of == channel)
+                .map(|(id, _)| protocol::message_data(*id, *unix_ns, payload))
+                .collect(),
+        };
+        Some((is_late, words))
+    }
+}
 
 /// A server on 127.0.0.1. Viewers come and go; sending never waits for one.
 #[derive(Debug)]
 pub struct Server {
     port: u16,
-    clients: Arc<Clients>,
+    hub: Arc<Mutex<Hub>>,
 }
-
-type Clients = Mutex<Vec<Arc<Client>>>;
 
 impl Server {
     /// Opens the port, any free one for 0.
@@ -36,18 +120,18 @@ impl Server {
     pub fn open(port: u16, subject: Subject) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         let port = listener.local_addr()?.port();
-        let clients: Arc<Clients> = Arc::default();
-        let (list, subject) = (Arc::clone(&clients), Arc::new(subject));
+        let hub: Arc<Mutex<Hub>> = Arc::default();
+        let (own, subject) = (Arc::clone(&hub), Arc::new(subject));
         std::thread::Builder::new().name("accept".into()).spawn(move || {
             for stream in listener.incoming() {
                 match stream.and_then(|stream| Ok((stream.peer_addr()?, stream))) {
-                    Ok((address, stream)) => welcome(stream, address, &list, &subject),
+                    Ok((address, stream)) => welcome(stream, address, &own, &subject),
                     // Without a descriptor: the connection waits until there is one.
                     Err(_) => std::thread::sleep(Duration::from_millis(100)),
                 }
             }
         })?;
-        Ok(Self { port, clients })
+        Ok(Self { port, hub })
     }
 
     /// The port.
@@ -57,113 +141,59 @@ impl Server {
 
     /// Hands a message of `channel` with its time, ns since 1970, to the viewers that subscribe to it.
     pub fn send(&self, channel: u16, unix_ns: u64, payload: &[u8]) {
-        lock(&self.clients).iter().for_each(|client| client.send(channel, unix_ns, payload));
+        let mut hub = lock(&self.hub);
+        if hub.viewers.values().flat_map(BTreeMap::values).any(|of| *of == channel) {
+            hub.put(Sent { channel: Some(channel), unix_ns, payload: payload.to_vec() });
+        }
     }
 
     /// Hands the time that viewers show, ns since 1970, to all.
     pub fn send_time(&self, unix_ns: u64) {
-        lock(&self.clients).iter().for_each(|client| client.send_time(unix_ns));
+        lock(&self.hub).put(Sent { channel: None, unix_ns, payload: Vec::new() });
     }
 
     /// True if a viewer subscribes to anything.
     pub fn is_watched(&self) -> bool {
-        lock(&self.clients).iter().any(|client| client.has_subscriptions())
+        lock(&self.hub).viewers.values().any(|own| !own.is_empty())
     }
 
-    /// True when nothing waits for a viewer.
-    pub fn is_idle(&self) -> bool {
-        lock(&self.clients).iter().all(|client| client.is_served())
-    }
-
-    /// Ends all connections with these words, and waits a moment until the viewers have what was sent.
-    pub fn end(self, words: &str) {
-        let clients = lock(&self.clients).clone();
-        clients.iter().for_each(|client| client.end(words));
-        let begun = Instant::now();
-        while begun.elapsed() < LEAVE && !clients.iter().all(|client| client.is_gone()) {
+    /// Ends all connections with these words, and waits until the viewers have what was sent, or `waits` says no.
+    pub fn end(self, words: &str, waits: impl Fn() -> bool) {
+        lock(&self.hub).end = Some(words.to_owned());
+        while !lock(&self.hub).viewers.is_empty() && waits() {
             std::thread::sleep(Duration::from_millis(5));
         }
     }
 }
 
-fn lock(clients: &Clients) -> MutexGuard<'_, Vec<Arc<Client>>> {
-    clients.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 /// Takes in a connection, in a thread of its own.
-fn welcome(stream: TcpStream, address: SocketAddr, clients: &Arc<Clients>, subject: &Arc<Subject>) {
-    let mut list = lock(clients);
-    list.retain(|client| !client.is_gone());
-    if list.len() >= MOST_CLIENTS {
-        return report(address, "refused", &format!("there are {MOST_CLIENTS} others"));
+fn welcome(stream: TcpStream, address: SocketAddr, hub: &Arc<Mutex<Hub>>, subject: &Arc<Subject>) {
+    let mut open = lock(hub);
+    if open.viewers.len() >= MOST_VIEWERS {
+        return report(address, "refused", &format!("there are {MOST_VIEWERS} others"));
     }
-    let Ok(own) = stream.try_clone() else { return };
-    let client = Arc::new(Client::new(own, address));
-    list.push(Arc::clone(&client));
-    drop(list);
-    let subject = Arc::clone(subject);
+    open.newest += 1;
+    let id = open.newest;
+    open.viewers.insert(id, BTreeMap::new());
+    drop(open);
+    let (own, subject) = (Arc::clone(hub), Arc::clone(subject));
     let serve = move || {
-        match serve(&stream, &client, &subject) {
-            Err(Refusal::Gone) | Ok(()) => {}
-            Err(why) => report(address, "refused", &why.to_string()),
-        }
-        client.drop_connection();
+        viewer::serve(&stream, address, (id, &own), &subject);
+        lock(&own).viewers.remove(&id);
     };
-    if let Err(why) = std::thread::Builder::new().name("reader".into()).spawn(serve) {
+    if let Err(why) = std::thread::Builder::new().name("viewer".into()).spawn(serve) {
+        lock(hub).viewers.remove(&id);
         report(address, "refused", &why.to_string());
     }
 }
 
-/// Serves one viewer to its end. An error is the reason why it was not taken in.
-fn serve(stream: &TcpStream, client: &Arc<Client>, subject: &Subject) -> Result<(), Refusal> {
-    guard::check_user(stream)?;
-    stream.set_nodelay(true)?;
-    stream.set_read_timeout(Some(HANDSHAKE))?;
-    let mut refusal = None;
-    #[expect(clippy::result_large_err, reason = "the handshake's own type")]
-    let choose = |request: &Request, response: Response| {
-        choose(request, response).map_err(|why| {
-            let mut answer = ErrorResponse::new(Some(why.to_string()));
-            *answer.status_mut() = StatusCode::FORBIDDEN;
-            refusal = Some(why);
-            answer
-        })
-    };
-    let mut socket = match accept_hdr(stream.try_clone()?, choose) {
-        Ok(socket) => socket,
-        Err(error) => {
-            let why = match error {
-                HandshakeError::Failure(error) => error.to_string(),
-                HandshakeError::Interrupted(_) => "the client is silent".to_owned(),
-            };
-            return Err(refusal.unwrap_or(Refusal::Handshake(why)));
-        }
-    };
-    stream.set_read_timeout(None)?;
-    for text in subject.welcome() {
-        socket.send(Message::text(text)).map_err(|_| Refusal::Gone)?;
+/// Writes a line about a viewer, unless viewers have given reason for many.
+pub(crate) fn report(address: SocketAddr, what: &str, why: &str) {
+    const MOST: usize = 10;
+    static LINES: AtomicUsize = AtomicUsize::new(0);
+    match LINES.fetch_add(1, Ordering::Relaxed) {
+        line if line < MOST => tracing::warn!("viewer {address} was {what}: {why}"),
+        MOST => tracing::warn!("no more lines about viewers"),
+        _ => {}
     }
-    let reading = stream.try_clone()?;
-    let writes = Arc::clone(client);
-    let writer = std::thread::Builder::new().name("writer".into());
-    let writer = writer.spawn(move || writes.write(socket))?;
-    client.read(reading, subject);
-    // It ends with the connection.
-    let _ = writer.join();
-    Ok(())
-}
-
-/// Accepts a request from a page that may look, in a protocol that both sides know.
-fn choose(request: &Request, mut response: Response) -> Result<Response, Refusal> {
-    const PROTOCOL: &str = "sec-websocket-protocol";
-    let origin = request.headers().get("origin").map(|value| value.to_str().unwrap_or("?"));
-    if !guard::is_trusted(origin) {
-        return Err(Refusal::Origin(origin.unwrap_or("?").to_owned()));
-    }
-    let values = request.headers().get_all(PROTOCOL).iter().filter_map(|value| value.to_str().ok());
-    let offered: Vec<&str> = values.flat_map(|value| value.split(',')).map(str::trim).collect();
-    let chosen = SUBPROTOCOLS.iter().find(|known| offered.contains(known));
-    let chosen = HeaderValue::from_static(chosen.ok_or(Refusal::Subprotocol)?);
-    response.headers_mut().insert(PROTOCOL, chosen);
-    Ok(response)
 }

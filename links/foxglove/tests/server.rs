@@ -124,7 +124,7 @@ fn a_viewer_gets_what_it_subscribes_to_until_it_does_not() {
     let subscriptions = json!([{ "id": 1, "channelId": 2 }]);
     viewer.ask(&json!({ "op": "subscribe", "subscriptions": subscriptions }));
     assert_eq!(viewer.text()["message"], "there is no channel 2");
-    server.end("the run has ended");
+    server.end("the run has ended", || false);
     assert_eq!(viewer.end(), "the run has ended");
 }
 
