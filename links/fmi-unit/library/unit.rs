@@ -76,7 +76,7 @@ impl Instance {
             None => self.start()?,
         };
         let question = [what, step_s].into_iter().chain(self.values);
-        let question: Vec<u8> = question.flat_map(f64::to_le_bytes).collect();
+        let question: Vec<u8> = question.flat_map(f64::to_ne_bytes).collect();
         let mut answer = [0; 8 * VALUES];
         let (Some(input), Some(output)) = (&mut process.stdin, &mut process.stdout) else {
             return Err(io::Error::other("no pipe"));
@@ -84,7 +84,7 @@ impl Instance {
         input.write_all(&question)?;
         output.read_exact(&mut answer)?;
         for (value, bytes) in self.values.iter_mut().zip(answer.chunks_exact(8)) {
-            *value = f64::from_le_bytes(bytes.try_into().map_err(io::Error::other)?);
+            *value = f64::from_ne_bytes(bytes.try_into().map_err(io::Error::other)?);
         }
         self.process = Some(process);
         Ok(())

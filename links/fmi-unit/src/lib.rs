@@ -52,37 +52,24 @@ pub struct ExportArguments {
 /// # Errors
 /// When there is no such law, a key is wrong, or the unit cannot be written.
 pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
-    if let Some(path) =
-        arguments.file.extension().is_none_or(|end| end != "fmu").then_some(&arguments.file)
-    {
-        return Err(UsageError::option(
-            "--file",
-            path.display(),
-            "not a unit",
-            "a name that ends with .fmu",
-        )
-        .into());
+    let (law, file) = (&arguments.law, &arguments.file);
+    if file.extension().is_none_or(|end| end != "fmu") {
+        let expected = "a name that ends with .fmu";
+        return Err(UsageError::option("--file", file.display(), "not a unit", expected).into());
     }
-    if !laws::ALL.iter().any(|law| law.name == arguments.law) {
-        let names = scenario::accepted(&arguments.law, laws::ALL.iter().map(|law| law.name));
-        return Err(UsageError::option(
-            "--law",
-            &arguments.law,
-            "not a law of timegap's own",
-            names,
-        )
-        .into());
+    if !laws::ALL.iter().any(|own| own.name == law) {
+        let names = scenario::accepted(law, laws::ALL.iter().map(|own| own.name));
+        return Err(UsageError::option("--law", law, "not a law of timegap's own", names).into());
     }
     let mut overrides = Overrides::new();
     arguments.set.iter().cloned().for_each(|setting| overrides.set(setting));
-    let text =
-        format!("schema_version = 1\nname = \"unit\"\n[controller]\nname = {:?}\n", arguments.law);
+    let text = format!("schema_version = 1\nname = \"unit\"\n[controller]\nname = {law:?}\n");
     let check = &controller::laws::check;
     let scenario = Scenario::parse_with("the unit", &text, &overrides, check)?;
     let period_s = 1e-3 * f64::from(scenario.controller.period_ms.value());
     let text = scenario.to_toml();
     let ports = if arguments.plant { ports::LOOP } else { ports::LAW };
-    let name = format!("{}{}", arguments.law, if arguments.plant { "-loop" } else { "" });
+    let name = format!("{law}{}", if arguments.plant { "-loop" } else { "" });
     let hash = Sha256::digest(format!("{text}{name}{}", env!("CARGO_PKG_VERSION")));
     let token: String = hash[..16].iter().map(|byte| format!("{byte:02x}")).collect();
     let description = ports::description(ports, &name, &token, period_s);
@@ -106,32 +93,26 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     if arguments.plant {
         files.push(("resources/loop", b"\n"));
     }
-    let unit = fmi::pack(&files).map_err(Error::path("pack", &arguments.file))?;
-    fs::write(&arguments.file, unit).map_err(Error::path("write", &arguments.file))?;
+    let unit = fmi::pack(&files).map_err(Error::path("pack", file))?;
+    fs::write(file, unit).map_err(Error::path("write", file))?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Runs the process of an exported unit, whose resources are in `directory`.
-#[must_use]
 pub fn serve(directory: &Path) -> ExitCode {
     let served = || -> Result<(), Box<dyn std::error::Error>> {
         let text = fs::read_to_string(directory.join("scenario.toml"))?;
         let scenario = Scenario::parse("scenario.toml", &text)?;
         let mut model = Model::new(scenario, directory.join("loop").exists())?;
         let (mut questions, mut answers) = (io::stdin().lock(), io::stdout().lock());
-        let mut question = [0; 8 * (2 + VALUES)];
-        while questions.read_exact(&mut question).is_ok() {
-            let numbers = question
-                .chunks_exact(8)
-                .map(|bytes| f64::from_le_bytes(bytes.try_into().expect("eight bytes")));
-            let numbers: Vec<f64> = numbers.collect();
-            let (what, step_s, mut values) = (numbers[0], numbers[1], numbers[2..].to_vec());
-            match what == 1.0 {
-                true => model.begin(&mut values),
-                false => model.step(&mut values, step_s),
+        let mut question = [0.0; 2 + VALUES];
+        while questions.read_exact(bytemuck::cast_slice_mut(&mut question)).is_ok() {
+            let [what, step_s, values @ ..] = &mut question;
+            match *what == 1.0 {
+                true => model.begin(values),
+                false => model.step(values, *step_s),
             }
-            let answer: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-            answers.write_all(&answer)?;
+            answers.write_all(bytemuck::cast_slice(values))?;
             answers.flush()?;
         }
         Ok(())

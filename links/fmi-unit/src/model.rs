@@ -94,19 +94,15 @@ impl Model {
             None => {
                 let until_s = self.time_s + step_s;
                 while self.next_release_s() < until_s - SLACK_S {
-                    let [
-                        speed_mps,
-                        acceleration_mps2,
-                        set_mps,
-                        limit_mps,
-                        has,
-                        gap,
-                        relative,
-                        target,
-                    ] = std::array::from_fn(|place| values[place]);
-                    let ego = Ego { position_m: self.position_m, speed_mps, acceleration_mps2 };
-                    let ahead = (has != 0.0).then_some((gap, relative, target));
-                    self.release(ego, ahead, set_mps, limit_mps);
+                    let of = |name| values[place(ports::LAW, name)];
+                    let target = ["gap_m", "relative_speed_mps", "target_acceleration_mps2"];
+                    let ahead = (of("has_target") != 0.0).then(|| target.map(of));
+                    let ego = Ego {
+                        position_m: self.position_m,
+                        speed_mps: of("speed_mps"),
+                        acceleration_mps2: of("acceleration_mps2"),
+                    };
+                    self.release(ego, ahead, of("set_speed_mps"), of("speed_limit_mps"));
                 }
                 self.position_m += values[0].max(0.0) * step_s;
                 self.time_s = until_s;
@@ -130,12 +126,13 @@ impl Model {
         self.released as f64 * 1e-3 * f64::from(self.scenario.controller.period_ms.value())
     }
 
-    fn release(&mut self, ego: Ego, ahead: Option<(f64, f64, f64)>, set_mps: f64, limit_mps: f64) {
+    /// A release of the law; `ahead` has gap, relative speed and acceleration of the target.
+    fn release(&mut self, ego: Ego, ahead: Option<[f64; 3]>, set_mps: f64, limit_mps: f64) {
         let input = Input {
             time_s: self.next_release_s(),
             period_s: 1e-3 * f64::from(self.scenario.controller.period_ms.value()),
             ego,
-            target: ahead.map(|(gap_m, relative_speed_mps, acceleration_mps2)| Target {
+            target: ahead.map(|[gap_m, relative_speed_mps, acceleration_mps2]| Target {
                 track_id: 1,
                 gap_m,
                 relative_speed_mps,
@@ -152,46 +149,33 @@ impl Model {
 
     /// One period of the plant, `into_s` behind the instant of the inputs.
     fn period(&mut self, deployment: &mut Deployment, values: &[f64], into_s: f64) {
-        let [
-            lead_m,
-            lead_mps,
-            lead_mps2,
-            has_lead,
-            set_mps,
-            _,
-            delay,
-            jitter,
-            drops,
-            every_s,
-            down_ms,
-            _,
-        ] = std::array::from_fn(|place| values[place]);
-        let ego = deployment.vehicle.state();
+        let of = |name| values[place(ports::LOOP, name)];
+        let every_s = of("restart_every_s");
         let is_down = every_s > 0.0
             && self.time_s >= every_s
-            && self.time_s % every_s < 1e-3 * down_ms.max(0.0);
+            && self.time_s % every_s < 1e-3 * of("restart_ms").max(0.0);
         if deployment.was_down && !is_down {
             self.law.reset();
         }
         deployment.was_down = is_down;
         let now_ns = (self.time_s * 1e9).round() as u64;
         if self.next_release_s() <= self.time_s + SLACK_S {
-            let gap_m = lead_m + lead_mps * into_s - ego.position_m;
-            let ahead = (has_lead != 0.0).then_some((gap_m, lead_mps - ego.speed_mps, lead_mps2));
-            let ego = Ego {
-                position_m: ego.position_m,
-                speed_mps: ego.speed_mps,
-                acceleration_mps2: ego.acceleration_mps2,
-            };
+            let state = deployment.vehicle.state();
+            let (position_m, speed_mps) = (state.position_m, state.speed_mps);
+            let lead_mps = of("lead_speed_mps");
+            let gap_m = of("lead_position_m") + lead_mps * into_s - position_m;
+            let lead = [gap_m, lead_mps - speed_mps, of("lead_acceleration_mps2")];
+            let ahead = (of("has_lead") != 0.0).then_some(lead);
+            let ego = Ego { position_m, speed_mps, acceleration_mps2: state.acceleration_mps2 };
             match is_down {
                 true => self.released += 1,
-                false => self.release(ego, ahead, set_mps, f64::INFINITY),
+                false => self.release(ego, ahead, of("set_speed_mps"), f64::INFINITY),
             }
             // Both are drawn for each release, so that one parameter does not shift the other's sequence.
             let (later, lost) =
                 (random::uniform(&mut deployment.random), random::uniform(&mut deployment.random));
-            if !is_down && lost >= drops {
-                let delay_ns = 1e6 * (delay.max(0.0) + later * jitter.max(0.0));
+            if !is_down && lost >= of("drop_share") {
+                let delay_ns = 1e6 * (of("delay_ms").max(0.0) + later * of("jitter_ms").max(0.0));
                 let plan = self.output.plan_mps2[..self.output.plan_len].to_vec();
                 deployment.on_the_way.push_back((now_ns + delay_ns as u64, plan));
             }
@@ -208,6 +192,11 @@ impl Model {
         let outputs = [state.position_m, state.speed_mps, state.acceleration_mps2, request_mps2];
         values[12..16].copy_from_slice(&outputs);
     }
+}
+
+/// Place of the value of a port.
+fn place(ports: &[Port], name: &str) -> usize {
+    ports.iter().position(|port| port.name == name).expect("a port of the list")
 }
 
 impl Deployment {

@@ -17,14 +17,8 @@ const MAX_FILE: u64 = 4 << 30;
 pub struct Archive {
     place: String,
     bytes: Vec<u8>,
-    entries: Vec<Entry>,
-}
-
-/// A file of the archive.
-struct Entry {
-    name: String,
-    method: CompressionMethod,
-    place: ZipArchiveEntryWayfinder,
+    /// Its files: name, way of packing, place.
+    entries: Vec<(String, CompressionMethod, ZipArchiveEntryWayfinder)>,
 }
 
 impl Archive {
@@ -37,13 +31,12 @@ impl Archive {
         let refuse =
             |fault: String| UnitError::new(&place, fault, "a unit (.fmu), which is a zip archive");
         let bytes = fs::read(path).map_err(|error| refuse(error.to_string()))?;
-        let table = || -> Result<Vec<Entry>, rawzip::Error> {
+        let table = || -> Result<_, rawzip::Error> {
             let archive = ZipArchive::from_slice(&bytes)?;
             let (mut entries, mut rest) = (Vec::new(), archive.entries());
             while let Some(entry) = rest.next_entry()? {
                 let name = entry.file_path().try_normalize()?.as_ref().to_owned();
-                let (method, place) = (entry.compression_method(), entry.wayfinder());
-                entries.push(Entry { name, method, place });
+                entries.push((name, entry.compression_method(), entry.wayfinder()));
             }
             Ok(entries)
         };
@@ -53,7 +46,7 @@ impl Archive {
 
     /// Names of the files.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.entries.iter().map(|entry| entry.name.as_str())
+        self.entries.iter().map(|(name, ..)| name.as_str())
     }
 
     /// The bytes of a file.
@@ -62,12 +55,13 @@ impl Archive {
     /// When it is not there, is broken, or has more than `most` bytes.
     pub fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, UnitError> {
         let refuse = |fault: String, expected: &str| UnitError::new(&self.place, fault, expected);
-        let entry = self.entries.iter().find(|entry| entry.name == name);
-        let entry = entry.ok_or_else(|| refuse(format!("no `{name}` in it"), "one"))?;
+        let entry = self.entries.iter().find(|(known, ..)| known == name);
+        let (_, method, place) =
+            entry.ok_or_else(|| refuse(format!("no `{name}` in it"), "one"))?;
         let read = || -> io::Result<Vec<u8>> {
             let archive = ZipArchive::from_slice(&self.bytes).map_err(io::Error::other)?;
-            let file = archive.get_entry(entry.place).map_err(io::Error::other)?;
-            let packed: Box<dyn Read> = match entry.method {
+            let file = archive.get_entry(*place).map_err(io::Error::other)?;
+            let packed: Box<dyn Read> = match *method {
                 CompressionMethod::STORE => Box::new(file.data()),
                 CompressionMethod::DEFLATE => Box::new(DeflateDecoder::new(file.data())),
                 _ => return Err(io::Error::other("it is packed by a method of its own")),

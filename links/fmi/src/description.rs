@@ -17,16 +17,6 @@ pub enum Version {
     Three,
 }
 
-/// Part that a variable plays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Causality {
-    Input,
-    Output,
-    Parameter,
-    /// Any other, with its name in the file.
-    Other,
-}
-
 /// Bytes of a variable's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -41,9 +31,8 @@ pub enum Kind {
 pub struct Variable {
     pub name: String,
     pub reference: u32,
-    pub causality: Causality,
-    /// Word for its part in the file.
-    pub word: String,
+    /// Its part: `input`, `output`, `parameter` and others.
+    pub causality: String,
     /// Its start may be set before the unit initialises.
     pub has_start: bool,
     pub kind: Kind,
@@ -196,19 +185,13 @@ fn variables(root: &Element, version: Version, file: &str) -> Result<Vec<Variabl
             let place = format!("{file}:{}", element.spot);
             return Err(UnitError::new(place, "a variable without a name or a number", "both"));
         };
-        let word = element.attribute("causality").unwrap_or("local");
+        let causality = element.attribute("causality").unwrap_or("local");
         let is = |name: &str, value: &str| element.attribute(name) == Some(value);
         found.push(Variable {
             name: name.to_owned(),
             reference,
-            causality: match word {
-                "input" => Causality::Input,
-                "output" => Causality::Output,
-                "parameter" | "structuralParameter" => Causality::Parameter,
-                _ => Causality::Other,
-            },
-            word: word.to_owned(),
-            has_start: matches!(word, "input" | "parameter")
+            causality: causality.to_owned(),
+            has_start: matches!(causality, "input" | "parameter")
                 || is("initial", "exact") && !is("variability", "constant"),
             kind: *kind,
             suffix,

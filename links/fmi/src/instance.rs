@@ -15,6 +15,7 @@ use std::sync::Mutex;
 
 type Text = *const c_char;
 type Pointer = *mut c_void;
+type LogThree = unsafe extern "C" fn(Pointer, c_int, Text, Text);
 
 /// Last error that the unit wrote to its log.
 static SAID: Mutex<String> = Mutex::new(String::new());
@@ -30,9 +31,18 @@ struct Callbacks {
     log: unsafe extern "C" fn(Pointer, Text, c_int, Text, Text),
     allocate: unsafe extern "C" fn(usize, usize) -> Pointer,
     free: unsafe extern "C" fn(Pointer),
-    finished: Pointer,
-    environment: Pointer,
+    /// The last two are null.
+    finished: usize,
+    environment: usize,
 }
+
+static CALLBACKS: Callbacks = Callbacks {
+    log: log_two,
+    allocate: libc::calloc,
+    free: libc::free,
+    finished: 0,
+    environment: 0,
+};
 
 /// The function has more arguments, for the places in the message. They are not read.
 unsafe extern "C" fn log_two(_: Pointer, _: Text, status: c_int, _: Text, message: Text) {
@@ -55,41 +65,15 @@ unsafe fn keep(status: c_int, message: Text) {
     }
 }
 
-type Set2 = unsafe extern "C" fn(Pointer, *const u32, usize, *const c_void) -> c_int;
-type Get2 = unsafe extern "C" fn(Pointer, *const u32, usize, *mut c_void) -> c_int;
-type Set3 = unsafe extern "C" fn(Pointer, *const u32, usize, *const c_void, usize) -> c_int;
-type Get3 = unsafe extern "C" fn(Pointer, *const u32, usize, *mut c_void, usize) -> c_int;
-type Plain = unsafe extern "C" fn(Pointer) -> c_int;
-type Free = unsafe extern "C" fn(Pointer);
-type Step2 = unsafe extern "C" fn(Pointer, f64, f64, c_int) -> c_int;
-type Step3 = unsafe extern "C" fn(
-    Pointer,
-    f64,
-    f64,
-    bool,
-    *mut bool,
-    *mut bool,
-    *mut bool,
-    *mut f64,
-) -> c_int;
-type Instantiate2 =
-    unsafe extern "C" fn(Text, c_int, Text, Text, *const Callbacks, c_int, c_int) -> Pointer;
-type Instantiate3 = unsafe extern "C" fn(
-    Text,
-    Text,
-    Text,
-    bool,
-    bool,
-    bool,
-    bool,
-    *const u32,
-    usize,
-    Pointer,
-    unsafe extern "C" fn(Pointer, c_int, Text, Text),
-    Pointer,
-) -> Pointer;
-type Setup2 = unsafe extern "C" fn(Pointer, c_int, f64, f64, c_int, f64) -> c_int;
-type Enter3 = unsafe extern "C" fn(Pointer, bool, f64, f64, bool, f64) -> c_int;
+/// Calls a function of the unit's library. The types must be the standard's prototype. The component lives, texts end
+/// with zero, and places outlive the call.
+macro_rules! call {
+    ($unit:ident.$name:expr; $($value:expr => $type:ty),* ; $result:ty) => {{
+        let function = $unit.function::<unsafe extern "C" fn($($type),*) -> $result>($name)?;
+        // SAFETY: as the macro's contract says.
+        unsafe { function($($value),*) }
+    }};
+}
 
 /// A unit's library, and its instance once it has begun.
 pub struct Instance {
@@ -168,9 +152,7 @@ impl Instance {
     }
 
     fn call(&self, function: &str) -> Result<(), UnitError> {
-        let plain: Plain = self.function(function)?;
-        // SAFETY: the prototype is the standard's, and the component lives.
-        self.check(function, unsafe { plain(self.component) })
+        self.check(function, call!(self.function; self.component => Pointer; c_int))
     }
 
     /// Begins anew: a new instance with these starts, initialised at time 0.
@@ -183,120 +165,81 @@ impl Instance {
         for (variable, value) in starts {
             self.set(variable, *value)?;
         }
+        let (unit, enter) = (self.component, "EnterInitializationMode");
         match self.version {
             Version::Two => {
-                let setup: Setup2 = self.function("SetupExperiment")?;
-                // SAFETY: the prototype is the standard's, and the component lives.
-                let status = unsafe { setup(self.component, 0, 0.0, 0.0, 0, 0.0) };
-                self.check("SetupExperiment", status)?;
-                self.call("EnterInitializationMode")?;
+                let setup = "SetupExperiment";
+                let status = call!(self.setup; unit => Pointer, 0 => c_int, 0.0 => f64, 0.0 => f64,
+                    0 => c_int, 0.0 => f64; c_int);
+                self.check(setup, status)?;
+                self.call(enter)?;
             }
             Version::Three => {
-                let enter: Enter3 = self.function("EnterInitializationMode")?;
-                // SAFETY: as above.
-                let status = unsafe { enter(self.component, false, 0.0, 0.0, false, 0.0) };
-                self.check("EnterInitializationMode", status)?;
+                let status = call!(self.enter; unit => Pointer, false => bool, 0.0 => f64, 0.0 => f64,
+                    false => bool, 0.0 => f64; c_int);
+                self.check(enter, status)?;
             }
         }
         self.call("ExitInitializationMode")
     }
 
     fn instantiate(&self) -> Result<Pointer, UnitError> {
-        let (name, token, resources) =
-            (c"timegap".as_ptr(), self.token.as_ptr(), self.resources.as_ptr());
-        match self.version {
+        let [name, token, resources] =
+            [c"timegap", &*self.token, &*self.resources].map(CStr::as_ptr);
+        Ok(match self.version {
             Version::Two => {
-                // An instance may keep the pointer for its whole life.
-                let callbacks: &'static Callbacks = Box::leak(Box::new(Callbacks {
-                    log: log_two,
-                    allocate: libc::calloc,
-                    free: libc::free,
-                    finished: null_mut(),
-                    environment: null_mut(),
-                }));
-                let call: Instantiate2 = self.function("Instantiate")?;
-                // SAFETY: the prototype is the standard's; texts end with zero and outlive the call.
-                Ok(unsafe { call(name, CO_SIMULATION, token, resources, callbacks, 0, 1) })
+                let callbacks = &raw const CALLBACKS;
+                call!(self."Instantiate"; name => Text, CO_SIMULATION => c_int, token => Text,
+                    resources => Text, callbacks => *const Callbacks, 0 => c_int, 1 => c_int; Pointer)
             }
-            Version::Three => {
-                let call: Instantiate3 = self.function("InstantiateCoSimulation")?;
-                // SAFETY: as above.
-                Ok(unsafe {
-                    call(
-                        name,
-                        token,
-                        resources,
-                        false,
-                        true,
-                        false,
-                        false,
-                        null(),
-                        0,
-                        null_mut(),
-                        log_three,
-                        null_mut(),
-                    )
-                })
-            }
-        }
+            // Without a window, with a log, without events and early returns.
+            Version::Three => call!(self."InstantiateCoSimulation"; name => Text, token => Text,
+                resources => Text, false => bool, true => bool, false => bool, false => bool,
+                null() => *const u32, 0 => usize, null_mut() => Pointer, log_three => LogThree,
+                null_mut() => Pointer; Pointer),
+        })
     }
 
     /// Sets a variable to a number in the unit's own measure.
     pub fn set(&self, variable: &Variable, value: f64) -> Result<(), UnitError> {
-        let bytes = encode(variable.kind, value);
-        let (reference, bytes) = (&raw const variable.reference, bytes.as_ptr().cast());
-        let name = format!("Set{}", variable.suffix);
-        // SAFETY: one reference, and one value of the type's size; the prototypes are the standard's.
-        let status = unsafe {
-            match self.version {
-                Version::Two => self.function::<Set2>(&name)?(self.component, reference, 1, bytes),
-                Version::Three => {
-                    self.function::<Set3>(&name)?(self.component, reference, 1, bytes, 1)
-                }
-            }
-        };
-        self.check(&format!("{name} of `{}`", variable.name), status)
+        let mut bytes = encode(variable.kind, value);
+        self.exchange("Set", variable, &mut bytes)
     }
 
     /// The number of a variable in the unit's own measure.
     pub fn get(&self, variable: &Variable) -> Result<f64, UnitError> {
         let mut bytes = [0; 8];
-        let (reference, place) = (&raw const variable.reference, bytes.as_mut_ptr().cast());
-        let name = format!("Get{}", variable.suffix);
-        // SAFETY: one reference, and room for one value of any type; the prototypes are the standard's.
-        let status = unsafe {
-            match self.version {
-                Version::Two => self.function::<Get2>(&name)?(self.component, reference, 1, place),
-                Version::Three => {
-                    self.function::<Get3>(&name)?(self.component, reference, 1, place, 1)
-                }
+        self.exchange("Get", variable, &mut bytes)?;
+        Ok(decode(variable.kind, bytes))
+    }
+
+    /// Sets or gets one variable: room for one value of any type. The functions that set read it alone.
+    fn exchange(&self, way: &str, of: &Variable, value: &mut [u8; 8]) -> Result<(), UnitError> {
+        let (unit, reference, value) =
+            (self.component, &raw const of.reference, value.as_mut_ptr().cast());
+        let name = format!("{way}{}", of.suffix);
+        let status = match self.version {
+            Version::Two => call!(self.&name; unit => Pointer, reference => *const u32, 1 => usize,
+                value => Pointer; c_int),
+            Version::Three => {
+                call!(self.&name; unit => Pointer, reference => *const u32, 1 => usize,
+                value => Pointer, 1 => usize; c_int)
             }
         };
-        self.check(&format!("{name} of `{}`", variable.name), status)?;
-        Ok(decode(variable.kind, bytes))
+        self.check(&format!("{name} of `{}`", of.name), status)
     }
 
     /// Moves on by `step_s`.
     pub fn step(&mut self, step_s: f64) -> Result<(), UnitError> {
+        let (unit, time_s) = (self.component, self.time_s);
         let (mut event, mut terminates, mut early) = (false, false, false);
-        let mut reached_s = self.time_s + step_s;
-        // SAFETY: the prototypes are the standard's, the component lives, and the places outlive the call.
-        let status = unsafe {
-            match self.version {
-                Version::Two => {
-                    self.function::<Step2>("DoStep")?(self.component, self.time_s, step_s, 1)
-                }
-                Version::Three => self.function::<Step3>("DoStep")?(
-                    self.component,
-                    self.time_s,
-                    step_s,
-                    true,
-                    &raw mut event,
-                    &raw mut terminates,
-                    &raw mut early,
-                    &raw mut reached_s,
-                ),
-            }
+        let mut reached_s = time_s + step_s;
+        let status = match self.version {
+            Version::Two => call!(self."DoStep"; unit => Pointer, time_s => f64, step_s => f64,
+                1 => c_int; c_int),
+            Version::Three => call!(self."DoStep"; unit => Pointer, time_s => f64, step_s => f64,
+                true => bool, &raw mut event => *mut bool, &raw mut terminates => *mut bool,
+                &raw mut early => *mut bool, &raw mut reached_s => *mut f64; c_int),
         };
         self.check("DoStep", status)?;
         if terminates {
@@ -310,12 +253,13 @@ impl Instance {
         if self.component.is_null() {
             return;
         }
-        // A unit in an error state may refuse, and is freed all the same.
+        let free = || -> Result<(), UnitError> {
+            call!(self."FreeInstance"; self.component => Pointer; ());
+            Ok(())
+        };
+        // A unit in an error state may refuse to terminate, and is freed all the same.
         let _ = self.call("Terminate");
-        if let Ok(free) = self.function::<Free>("FreeInstance") {
-            // SAFETY: the prototype is the standard's, and the component is not used again.
-            unsafe { free(self.component) }
-        }
+        let _ = free();
         self.component = null_mut();
     }
 }

@@ -43,7 +43,6 @@ const ENDING: &str = ".fmu";
 /// ```
 /// assert!(fmi::is_unit("models/law.fmu") && !fmi::is_unit("./law"));
 /// ```
-#[must_use]
 pub fn is_unit(word: &str) -> bool {
     word.len() > ENDING.len() && word.to_ascii_lowercase().ends_with(ENDING)
 }

@@ -8,7 +8,7 @@ use crate::UnitError;
 use crate::instance::Instance;
 use crate::quantity::Flow;
 use crate::unit::{Part, Unit};
-use crate::vehicle::Request;
+use crate::vehicle::{Head, Request};
 use bytemuck::Pod;
 use messages::LawInput;
 use std::fs::{self, DirBuilder, File};
@@ -22,7 +22,6 @@ use std::process::{Child, Command, ExitCode, Stdio};
 const MOST_STEPS: u32 = 1000;
 
 /// Runs the process `timegap service fmu WHAT ...`: `law UNIT WORDS`, `vehicle UNIT WORDS` or `clean DIRECTORY`.
-#[must_use]
 pub fn run(arguments: &[String]) -> ExitCode {
     let served = match arguments {
         [what, unit, words @ ..] if what == "law" => serve::<_, LawInput>(Path::new(unit), words),
@@ -146,8 +145,10 @@ impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
     }
 
     fn answer(&mut self, question: &Q) -> Result<A, UnitError> {
-        let (time_s, period_s) = question.times_s();
-        if question.is_reset() && (!self.is_fresh || self.has_start()) {
+        let asked = bytemuck::bytes_of(question);
+        let Head { sequence, reset, time_s, period_s } =
+            bytemuck::pod_read_unaligned(&asked[..size_of::<Head>()]);
+        if reset != 0 && (!self.is_fresh || self.has_start()) {
             self.begin(question)?;
         }
         if self.is_fresh {
@@ -169,13 +170,14 @@ impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
             }
             self.instance.step(step_s)?;
         }
-        let mut answer = question.answer();
+        let mut answer = A::zeroed();
+        bytemuck::bytes_of_mut(&mut answer)[..8].copy_from_slice(bytemuck::bytes_of(&sequence));
         for (quantity, wire) in &self.unit.wiring.wires {
             if let Flow::Output(keep) = quantity.flow {
                 keep(&mut answer, wire.measure.to_si(self.instance.get(&wire.variable)?));
             }
         }
-        match question.fault(&answer).filter(|_| question.is_reset()) {
+        match question.fault(&answer).filter(|_| reset != 0) {
             Some((fault, expected)) => Err(UnitError::new(&self.unit.name, fault, expected)),
             None => Ok(answer),
         }

@@ -33,12 +33,6 @@ pub trait Part<A: 'static>: Sized + 'static {
     /// Quantities without which a unit is of no use; alternatives stand in one text.
     const NEEDED: &'static [&'static str];
 
-    /// True if the unit begins anew.
-    fn is_reset(&self) -> bool;
-    /// Time and period, s.
-    fn times_s(&self) -> (f64, f64);
-    /// The answer to this question, without values.
-    fn answer(&self) -> A;
     /// Fault of the answer to a question that began anew, and what was expected.
     fn fault(&self, _answer: &A) -> Option<(String, String)> {
         None
@@ -49,36 +43,12 @@ impl Part<LawAnswer> for LawInput {
     const QUANTITIES: &'static [Quantity<Self, LawAnswer>] = LAW;
     const NEEDED: &'static [&'static str] =
         &["request_mps2", "speed_mps|gap_m|relative_speed_mps|set_speed_mps|target_speed_mps"];
-
-    fn is_reset(&self) -> bool {
-        self.reset != 0
-    }
-
-    fn times_s(&self) -> (f64, f64) {
-        (self.time_s, self.period_s)
-    }
-
-    fn answer(&self) -> LawAnswer {
-        LawAnswer { sequence: self.sequence, ..bytemuck::Zeroable::zeroed() }
-    }
 }
 
 impl Part<Motion> for Request {
     const QUANTITIES: &'static [Quantity<Self, Motion>] = VEHICLE;
     const NEEDED: &'static [&'static str] =
         &["speed_mps", "request_mps2|throttle", "request_mps2|brake"];
-
-    fn is_reset(&self) -> bool {
-        self.reset != 0
-    }
-
-    fn times_s(&self) -> (f64, f64) {
-        (self.time_s, self.period_s)
-    }
-
-    fn answer(&self) -> Motion {
-        Motion { sequence: self.sequence, ..Motion::default() }
-    }
 
     fn fault(&self, answer: &Motion) -> Option<(String, String)> {
         let gained_mps = (answer.speed_mps - self.speed_mps).abs();

@@ -2,6 +2,19 @@
 
 use bytemuck::{Pod, Zeroable};
 
+/// Beginning of every question. The answer begins with the same number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Head {
+    pub sequence: u64,
+    /// 1 if the law or the vehicle begins anew.
+    pub reset: u64,
+    /// Time since the start of the run, s.
+    pub time_s: f64,
+    /// Period, s.
+    pub period_s: f64,
+}
+
 /// Question: a period of the plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]

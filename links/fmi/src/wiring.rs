@@ -1,7 +1,7 @@
 //! Which variable of a unit has which quantity: by names and units of measure, or as the user maps them.
 
 use crate::UnitError;
-use crate::description::{Causality, Description, Variable};
+use crate::description::{Description, Variable};
 use crate::measure::{ACCELERATION, Measure, dimension_name};
 use crate::quantity::{Flow, Quantity};
 
@@ -87,7 +87,10 @@ impl<Q, A> Wiring<Q, A> {
         let variables = &description.variables;
         let find = |name: &str| {
             variables.iter().find(|variable| variable.name == name).ok_or_else(|| {
-                let names = list(variables.iter().filter(|v| v.causality != Causality::Other));
+                let names =
+                    list(variables.iter().filter(|v| {
+                        matches!(v.causality.as_str(), "input" | "output" | "parameter")
+                    }));
                 UnitError::new(unit, format!("no variable `{name}` of one number"), names)
             })
         };
@@ -100,7 +103,7 @@ impl<Q, A> Wiring<Q, A> {
             })?;
             let variable = find(name)?;
             if !fits(quantity, variable) {
-                let fault = format!("`{name}` is of causality `{}`", variable.word);
+                let fault = format!("`{name}` is of causality `{}`", variable.causality);
                 let expected = format!("{} for {key}", quantity.flow.word());
                 return Err(UnitError::new(unit, fault, expected));
             }
@@ -113,7 +116,7 @@ impl<Q, A> Wiring<Q, A> {
             .map(|(name, value)| match find(name)? {
                 variable if variable.has_start => Ok((variable.clone(), *value)),
                 variable => {
-                    let fault = format!("`{name}` is of causality `{}`", variable.word);
+                    let fault = format!("`{name}` is of causality `{}`", variable.causality);
                     Err(UnitError::new(unit, fault, "a parameter or an input to give a start"))
                 }
             })
@@ -129,21 +132,18 @@ impl<Q, A> Wiring<Q, A> {
                 return Err(missing(unit, key, quantities, variables));
             }
         }
-        let inputs = variables.iter().filter(|v| v.causality == Causality::Input);
+        let inputs = variables.iter().filter(|v| v.causality == "input");
         let unused = inputs.filter(|v| {
             wiring.is_free(v) && wiring.starts.iter().all(|(given, _)| given.name != v.name)
         });
         wiring.unused = unused.map(|variable| variable.name.clone()).collect();
         // An input that is known by its name, and not by its measure, would keep its start unseen.
-        for (quantity, variable) in quantities
-            .iter()
-            .filter(|quantity| matches!(quantity.flow, Flow::Input(_)) && !wiring.has(quantity.key))
-            .flat_map(|quantity| variables.iter().map(move |variable| (quantity, variable)))
-            .filter(|(_, variable)| wiring.unused.contains(&variable.name))
-        {
-            if rank(quantity, variable).is_some() {
-                measure(unit, quantity, variable)?;
-            }
+        let open =
+            quantities.iter().filter(|q| matches!(q.flow, Flow::Input(_)) && !wiring.has(q.key));
+        for quantity in open {
+            let mut unused = variables.iter().filter(|v| wiring.unused.contains(&v.name));
+            let named = unused.find(|variable| rank(quantity, variable).is_some());
+            named.map(|variable| measure(unit, quantity, variable)).transpose()?;
         }
         Ok(wiring)
     }
@@ -201,9 +201,9 @@ impl<Q, A> Wiring<Q, A> {
 /// True if a variable may play the part.
 fn fits<Q, A>(quantity: &Quantity<Q, A>, variable: &Variable) -> bool {
     match quantity.flow {
-        Flow::Input(_) => variable.causality == Causality::Input,
-        Flow::Start(_) => variable.has_start && variable.causality != Causality::Input,
-        Flow::Output(_) => variable.causality == Causality::Output,
+        Flow::Input(_) => variable.causality == "input",
+        Flow::Start(_) => variable.has_start && variable.causality != "input",
+        Flow::Output(_) => variable.causality == "output",
     }
 }
 
@@ -251,7 +251,8 @@ fn measure<Q, A>(
 
 /// Names of variables with their parts.
 fn list<'a>(variables: impl Iterator<Item = &'a Variable>) -> String {
-    let names: Vec<_> = variables.map(|v| format!("`{}` ({})", v.name, v.word)).take(20).collect();
+    let shown = variables.map(|v| format!("`{}` ({})", v.name, v.causality));
+    let names: Vec<_> = shown.take(20).collect();
     match names.is_empty() {
         true => "a unit with inputs and outputs of one number each".to_owned(),
         false => format!("one of {}", names.join(", ")),
@@ -266,23 +267,13 @@ fn missing<Q, A>(
 ) -> UnitError {
     let quantity = quantities.iter().find(|quantity| key.split('|').any(|key| key == quantity.key));
     let shown = quantity.map_or("a variable", |quantity| quantity.flow.word());
-    let part = quantity.map(|quantity| match quantity.flow {
-        Flow::Input(_) => Causality::Input,
-        Flow::Start(_) => Causality::Parameter,
-        Flow::Output(_) => Causality::Output,
-    });
-    let of_part = variables.iter().filter(|v| Some(v.causality) == part);
-    let keys = key.replace('|', " or ");
-    let fault = format!("{shown} for {keys} is not found");
+    let of_part = variables.iter().filter(|v| quantity.is_some_and(|q| fits(q, v)));
+    let (keys, first) = (key.replace('|', " or "), key.split('|').next().unwrap_or(key));
     let expected = match of_part.clone().next() {
         None => shown.to_owned(),
-        Some(_) => format!(
-            "a map {}=VARIABLE with {}",
-            key.split('|').next().unwrap_or(key),
-            list(of_part)
-        ),
+        Some(_) => format!("a map {first}=VARIABLE with {}", list(of_part)),
     };
-    UnitError::new(unit, fault, expected)
+    UnitError::new(unit, format!("{shown} for {keys} is not found"), expected)
 }
 
 #[cfg(test)]

@@ -72,11 +72,9 @@ impl Graph {
             let core = node.core.map(|core| usize::from(core.value()));
             if let Some(core) = core.filter(|core| !cores.contains(core)) {
                 let known: Vec<_> = cores.iter().map(ToString::to_string).collect();
-                let (file, name, known) = (file.display(), node.name.as_str(), known.join(", "));
-                let may = format!("this process may use core {known}");
-                return Err(MachineError(format!(
-                    "{file}: node {name} is to run on core {core}, and {may}"
-                )));
+                let is = format!("node {} is to run on core {core}", node.name.as_str());
+                let may = format!("this process may use core {}", known.join(", "));
+                return Err(MachineError(format!("{}: {is}, and {may}", file.display())));
             }
         }
         // A sender's segment; one that died may still have its own.

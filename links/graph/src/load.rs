@@ -86,11 +86,10 @@ impl Work {
 
 impl Program {
     fn ask(&mut self, question: &str) -> Result<(), MachineError> {
-        let failed = MachineError::cannot("ask the node's program");
-        writeln!(self.input, "{question}").map_err(failed)?;
         self.answer.clear();
-        let failed = MachineError::cannot("hear the node's program");
-        match self.output.read_line(&mut self.answer).map_err(failed)? {
+        let asked = writeln!(self.input, "{question}");
+        let answered = asked.and_then(|()| self.output.read_line(&mut self.answer));
+        match answered.map_err(MachineError::cannot("ask the node's program"))? {
             0 => Err(MachineError("the node's program ended without an answer".to_owned())),
             _ => Ok(()),
         }

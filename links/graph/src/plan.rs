@@ -336,18 +336,25 @@ impl Graph {
     }
 
     fn known_node(&self, path: &str, name: &str) -> Result<usize, Problem> {
-        let known = self.nodes.iter().map(|node| node.name.as_str());
-        let unknown = || format!("unknown node `{}`", name.escape_debug());
-        self.node(name).ok_or_else(|| Problem::new(path, unknown(), accepted(name, known)))
+        known(path, "node", name, self.nodes.iter().map(|node| node.name.as_str()))
     }
 
-    fn known_topic(&self, path: &str, topic: &str) -> Result<(), Problem> {
-        if self.topics.contains_key(topic) {
-            return Ok(());
-        }
-        let expected = accepted(topic, self.topics.keys().map(String::as_str));
-        Err(Problem::new(path, format!("unknown topic `{}`", topic.escape_debug()), expected))
+    fn known_topic(&self, path: &str, topic: &str) -> Result<usize, Problem> {
+        known(path, "topic", topic, self.topics.keys().map(String::as_str))
     }
+}
+
+/// Place of a name among those that are known.
+fn known<'a>(
+    path: &str,
+    what: &str,
+    name: &str,
+    all: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, Problem> {
+    all.clone().position(|one| one == name).ok_or_else(|| {
+        let message = format!("unknown {what} `{}`", name.escape_debug());
+        Problem::new(path, message, accepted(name, all))
+    })
 }
 
 fn within(path: &str, value: f64, (low, high): (f64, f64), unit: &str) -> Result<(), Problem> {

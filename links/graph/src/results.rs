@@ -59,66 +59,75 @@ pub struct Report {
     pub against: Option<Against>,
 }
 
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct ChainRow {
-    pub chain: String,
-    pub deadline_us: Option<f64>,
-    /// Messages of the source that reached the end, and those that newer ones replaced on the way.
-    pub reactions: u64,
-    pub replaced: u64,
-    /// Reactions that were longer than the deadline; null without one.
-    pub misses: Option<u64>,
-    pub max_misses: u64,
-    pub reaction_time_us: Us,
-    pub data_age_us: Us,
-    /// Waits for the release of a timer, or for another topic.
-    pub designed_wait_us: Us,
-    /// Reaction time without them.
-    pub net_reaction_us: Us,
+/// Declares the rows of a table once: the fields of its JSON, each with its columns for people. A column has a kind, a
+/// heading, the percentile that it shows, and a weight in brackets.
+macro_rules! rows {
+    ($(#[$doc:meta])* $row:ident, $columns:ident; $($field:ident: $type:ty, $meaning:literal
+        $(=> $($kind:ident $heading:literal $($percentile:ident)? $([$weight:literal])?),+)?;)*) => {
+        $(#[$doc])*
+        #[derive(Debug, Serialize, JsonSchema)]
+        pub struct $row { $(#[doc = $meaning] pub $field: $type),* }
+
+        fn $columns() -> Vec<Column<$row>> {
+            let columns = [$($($($kind(
+                concat!(stringify!($field) $(, ".", stringify!($percentile))?), $heading, $meaning,
+            )$(.weight($weight))?,)+)?)*];
+            columns.into()
+        }
+    };
 }
 
-/// The part of a chain's reactions that a node makes up.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct HopRow {
-    pub chain: String,
-    pub node: String,
-    /// The message is there, and the node is busy or not yet due.
-    pub wait_us: Us,
-    /// From then to the start of the cycle.
-    pub wake_us: Us,
-    /// Start of the cycle to its publication, or its end.
-    pub work_us: Us,
+rows! {
+    ChainRow, chain_columns;
+    chain: String, "Chain from its source to its last node" => word "chain";
+    deadline_us: Option<f64>, "Longest accepted reaction time" => micros "deadline";
+    reactions: u64, "Messages of the source that reached the end" => count "n";
+    replaced: u64, "Messages of the source that newer ones replaced on the way" => count "not used" [1];
+    misses: Option<u64>, "Reactions later than the deadline; null without one" => count "misses";
+    max_misses: u64, "Late reactions that are accepted";
+    reaction_time_us: Us, "Source's release to the last node's end"
+        => micros "reaction p50" p50, micros "p99" p99, micros "max" max;
+    data_age_us: Us, "Age of the data at each end of a cycle" => micros "age p50" p50 [1], micros "max" max [1];
+    designed_wait_us: Us, "Waits for the release of a timer, or for another topic";
+    net_reaction_us: Us, "Reaction without waits for a timer or topic" => micros "net p50" p50, micros "p99" p99 [1];
 }
 
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct NodeRow {
-    pub node: String,
-    /// Scheduling that the kernel granted.
-    pub scheduling: Option<String>,
-    pub core: Option<usize>,
-    pub cycles: u64,
-    pub skipped: u64,
-    /// Start of a cycle after its release.
-    pub release_jitter_us: Us,
-    pub work_us: Us,
-    /// Times that another process became the active one, and those in which it was the standby.
-    pub replacements: u32,
-    pub take_overs: u32,
-    pub starved_ms: f64,
+rows! {
+    /// The part of a chain's reactions that a node makes up.
+    HopRow, hop_columns;
+    chain: String, "Chain" => word "chain";
+    node: String, "Node on it" => word "node";
+    wait_us: Us, "The message is there, the node busy or not due" => micros "wait p50" p50, micros "max" max [1];
+    wake_us: Us, "From then to the start of the cycle" => micros "wake-up p50" p50, micros "max" max;
+    work_us: Us, "Start of the cycle to its publication, or its end" => micros "work p50" p50, micros "max" max;
 }
 
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct TopicRow {
-    pub topic: String,
-    /// Length of a message, with header and stamps.
-    pub bytes: usize,
-    pub sent: u64,
-    /// Sum over all readers.
-    pub received: u64,
-    /// Messages that newer ones replaced before a cycle used them.
-    pub unused: u64,
-    /// Messages that failed a check.
-    pub refused: u64,
+rows! {
+    NodeRow, node_columns;
+    node: String, "Node" => word "node";
+    scheduling: Option<String>, "Scheduling that the kernel granted" => word "scheduling" [1];
+    core: Option<usize>, "CPU that it is pinned to" => count "core" [3];
+    cycles: u64, "Cycles of all its processes" => count "cycles";
+    skipped: u64, "Releases that were left out: it was busy or stopped" => count "skipped";
+    release_jitter_us: Us, "Start of a cycle after its release" => micros "release p50" p50, micros "max" max;
+    work_us: Us, "Length of a cycle" => micros "work p50" p50 [1];
+    replacements: u32, "Times that another process became the active one" => count "replaced";
+    take_overs: u32, "Those in which it was the standby";
+    starved_ms: f64, "Time without the processor" => millis "starved" [2];
+}
+
+rows! {
+    TopicRow, topic_columns;
+    topic: String, "Topic" => word "topic";
+    bytes: usize, "Length of a message, with header and stamps" => count "bytes";
+    sent: u64, "Messages sent" => count "sent";
+    received: u64, "Messages received, by all readers together" => count "received";
+    unused: u64, "Messages that newer ones replaced before a cycle used them" => count "unused";
+    refused: u64, "Messages that failed a check" => count "refused" [1];
+}
+
+fn millis<R>(name: &'static str, heading: &'static str, meaning: &'static str) -> Column<R> {
+    number(name, heading, "ms", 0, meaning)
 }
 
 impl ChainRow {
@@ -265,62 +274,6 @@ pub fn document(
     })
 }
 
-fn chain_columns() -> [Column<ChainRow>; 12] {
-    [
-        word("chain", "chain", "Chain from its source to its last node"),
-        micros("deadline_us", "deadline", "Longest accepted reaction time"),
-        count("reactions", "n", "Messages of the source that reached the end"),
-        count("replaced", "not used", "Messages of the source that newer ones replaced").weight(1),
-        count("misses", "misses", "Reactions later than the deadline"),
-        micros("reaction_time_us.p50", "reaction p50", "Source's release to the last node's end"),
-        micros("reaction_time_us.p99", "p99", "99th percentile of it"),
-        micros("reaction_time_us.max", "max", "Longest"),
-        micros("data_age_us.p50", "age p50", "Age of the data at each end of a cycle").weight(1),
-        micros("data_age_us.max", "max", "Largest").weight(1),
-        micros("net_reaction_us.p50", "net p50", "Reaction without waits for a timer or topic"),
-        micros("net_reaction_us.p99", "p99", "99th percentile of it").weight(1),
-    ]
-}
-
-fn hop_columns() -> [Column<HopRow>; 8] {
-    [
-        word("chain", "chain", "Chain"),
-        word("node", "node", "Node on it"),
-        micros("wait_us.p50", "wait p50", "The message is there, the node busy or not due"),
-        micros("wait_us.max", "max", "Longest").weight(1),
-        micros("wake_us.p50", "wake-up p50", "From then to the start of the cycle"),
-        micros("wake_us.max", "max", "Longest"),
-        micros("work_us.p50", "work p50", "Start of the cycle to the publication"),
-        micros("work_us.max", "max", "Longest"),
-    ]
-}
-
-fn node_columns() -> [Column<NodeRow>; 10] {
-    [
-        word("node", "node", "Node"),
-        word("scheduling", "scheduling", "Scheduling that the kernel granted").weight(1),
-        count("core", "core", "CPU that it is pinned to").weight(3),
-        count("cycles", "cycles", "Cycles of all its processes"),
-        count("skipped", "skipped", "Releases that were left out: it was busy or stopped"),
-        micros("release_jitter_us.p50", "release p50", "Start of a cycle after its release"),
-        micros("release_jitter_us.max", "max", "Latest start"),
-        micros("work_us.p50", "work p50", "Length of a cycle").weight(1),
-        count("replacements", "replaced", "Times that another process became the active one"),
-        number("starved_ms", "starved", "ms", 0, "Time without the processor").weight(2),
-    ]
-}
-
-fn topic_columns() -> [Column<TopicRow>; 6] {
-    [
-        word("topic", "topic", "Topic"),
-        count("bytes", "bytes", "Length of a message, with header and stamps"),
-        count("sent", "sent", "Messages sent"),
-        count("received", "received", "Messages received, by all readers together"),
-        count("unused", "unused", "Messages that newer ones replaced before a cycle used them"),
-        count("refused", "refused", "Messages that failed a check").weight(1),
-    ]
-}
-
 fn fault_columns() -> [Column<Record>; 5] {
     [
         number("t_s", "t", "s", 3, "Run time of the begin"),
@@ -337,19 +290,15 @@ fn fault_columns() -> [Column<Record>; 5] {
 
 /// Reaction time and data age of a chain, and the machine's floor.
 fn picture(chain: &str, [reaction, age, floor]: [&Latencies; 3]) -> String {
-    let drawn = |label: &str, latencies: &Latencies| format!("{label} (n = {})", latencies.count());
     let [tone, other] = [Tone::Series(0), Tone::Series(1)];
-    let solid = Stroke::Solid;
-    let label = drawn("floor: a process that only sleeps", floor);
-    let drawn = [
-        Distribution {
-            label: drawn("reaction time", reaction),
-            tone,
-            stroke: solid,
-            latencies: reaction,
-        },
-        Distribution { label: drawn("data age", age), tone: other, stroke: solid, latencies: age },
-        Distribution { label, tone: Tone::Muted, stroke: Stroke::Dashed, latencies: floor },
+    let lines = [
+        ("reaction time", tone, Stroke::Solid, reaction),
+        ("data age", other, Stroke::Solid, age),
+        ("floor: a process that only sleeps", Tone::Muted, Stroke::Dashed, floor),
     ];
+    let drawn = lines.map(|(name, tone, stroke, latencies)| {
+        let label = format!("{name} (n = {})", latencies.count());
+        Distribution { label, tone, stroke, latencies }
+    });
     distributions(chain, &drawn).map(|plot| figure(&plot)).unwrap_or_default()
 }

@@ -84,15 +84,17 @@ impl Client {
         let set = this.stream.set_nodelay(true);
         let set = set.and_then(|()| this.stream.set_read_timeout(timeout));
         set.and_then(|()| this.stream.set_write_timeout(timeout))
-            .map_err(|reason| ProgramError::Start { program: "a connection".to_owned(), reason })?;
+            .map_err(ProgramError::start("a connection"))?;
         let answer = this.ask(0x00, "the greeting", Body::default(), "at the greeting")?;
         let mut answer = Answer(&answer);
         answer.length()?;
         answer.byte()?;
         let (version, name) = (answer.whole()?, answer.text()?);
         if version < VERSION || !name.starts_with("SUMO") {
-            let name = name.chars().filter(|c| !c.is_control()).take(60).collect();
-            return Err(ProgramError::Version { name, version, expected: VERSION });
+            let name: String = name.chars().filter(|c| !c.is_control()).take(60).collect();
+            let expected = format!("{VERSION} or later (SUMO 1.20)");
+            let words = format!("{name} speaks version {version} of TraCI, expected {expected}");
+            return Err(ProgramError(words));
         }
         Ok(this)
     }
@@ -114,7 +116,7 @@ impl Client {
         self.stream.read_exact(&mut head).map_err(|error| self.failed(&error, when))?;
         let length = usize::try_from(i32::from_be_bytes(head)).ok();
         let length = length.and_then(|length| length.checked_sub(4)).filter(|n| *n <= MOST_BYTES);
-        let mut body = vec![0; length.ok_or(ProgramError::Nonsense("its length"))?];
+        let mut body = vec![0; length.ok_or_else(|| ProgramError::nonsense("its length"))?];
         self.stream.read_exact(&mut body).map_err(|error| self.failed(&error, when))?;
         Ok(body)
     }
@@ -124,7 +126,7 @@ impl Client {
             ErrorKind::WouldBlock | ErrorKind::TimedOut => {
                 // Nothing waits for the goodbye of a process that hangs.
                 self.process.kill();
-                ProgramError::Silent { when: when.to_owned(), waited_s: self.deadline_s }
+                ProgramError::silent(when, self.deadline_s)
             }
             _ => self.process.ended(when),
         }
@@ -134,7 +136,7 @@ impl Client {
     fn statuses(&mut self, answer: &mut Answer<'_>) -> Done<()> {
         for command in std::mem::take(&mut self.sent) {
             if let (_, Some(words)) = answer.status()? {
-                return Err(ProgramError::Refused { command, words });
+                return Err(ProgramError::refused(command, &words));
             }
         }
         Ok(())
@@ -161,17 +163,12 @@ impl Client {
         answer.value()
     }
 
-    fn set(
-        &mut self,
-        id: u8,
-        name: &'static str,
-        variable: u8,
-        object: &str,
-        value: Body,
-    ) -> Done<()> {
+    /// Sets a variable of an object of a domain.
+    fn set(&mut self, (domain, variable): (u8, u8), object: &str, value: Body) -> Done<()> {
         let mut body = Body::default().byte(variable).text(object);
         body.0.extend(value.0);
-        self.ask(id, name, body, "at its start").map(|_| ())
+        let name = if domain == SET_ROUTE { "the ego's route" } else { "the ego" };
+        self.ask(domain, name, body, "at its start").map(|_| ())
     }
 
     /// SUMO's time, s.
@@ -189,7 +186,7 @@ impl Client {
     pub fn vehicles(&mut self) -> Done<Vec<String>> {
         match self.get(GET_VEHICLE, 0x00, "")? {
             Value::Texts(ids) => Ok(ids),
-            _ => Err(ProgramError::Nonsense("a list of vehicles")),
+            _ => Err(ProgramError::nonsense("a list of vehicles")),
         }
     }
 
@@ -207,56 +204,39 @@ impl Client {
         (lane, front_m, speed_mps): (usize, f64, f64),
         (length_m, width_m): (f64, f64),
     ) -> Done<()> {
-        let mut list = Body::default().byte(0x0e).whole(edges.len() as i32);
-        for edge in edges {
-            list = list.text(edge);
-        }
-        self.set(SET_ROUTE, "the ego's route", 0x80, id, list)?;
-        let (lane, front, speed) =
-            (lane.to_string(), format!("{front_m:.3}"), format!("{speed_mps:.3}"));
-        let words = [
-            id,
-            "DEFAULT_VEHTYPE",
-            "now",
-            &lane,
-            &front,
-            &speed,
-            "current",
-            "max",
-            "current",
-            "",
-            "",
-            "",
-        ];
-        let mut body = Body::default().byte(0x0f).whole(14);
-        for word in words {
-            body = body.typed_text(word);
-        }
-        let name = "the ego";
-        self.set(SET_VEHICLE, name, 0x85, id, body.typed_whole(4).typed_whole(0))?;
-        self.set(SET_VEHICLE, name, 0x44, id, Body::default().typed_number(length_m))?;
-        self.set(SET_VEHICLE, name, 0x4d, id, Body::default().typed_number(width_m))?;
+        let list = Body::default().byte(0x0e).whole(edges.len() as i32);
+        let list = edges.iter().fold(list, |list, edge| list.text(edge));
+        self.set((SET_ROUTE, 0x80), id, list)?;
+        // Route, type, departure and its lane, place and speed; arrival; three words of public transport, all empty.
+        let words = format!(
+            "{id}|DEFAULT_VEHTYPE|now|{lane}|{front_m:.3}|{speed_mps:.3}|current|max|current|||"
+        );
+        let body = Body::default().byte(0x0f).whole(14);
+        let body = words.split('|').fold(body, Body::typed_text);
+        self.set((SET_VEHICLE, 0x85), id, body.typed_whole(4).typed_whole(0))?;
+        self.set((SET_VEHICLE, 0x44), id, Body::default().typed_number(length_m))?;
+        self.set((SET_VEHICLE, 0x4d), id, Body::default().typed_number(width_m))?;
         // Its own rules of speed and lane changes are off: the run moves it.
-        self.set(SET_VEHICLE, name, 0xb3, id, Body::default().typed_whole(0))?;
-        self.set(SET_VEHICLE, name, 0xb6, id, Body::default().typed_whole(0))
+        self.set((SET_VEHICLE, 0xb3), id, Body::default().typed_whole(0))?;
+        self.set((SET_VEHICLE, 0xb6), id, Body::default().typed_whole(0))
     }
 
     /// Subscribes to the vehicles within `radius_m` of one.
     pub fn surround(&mut self, id: &str, radius_m: f64) -> Done<()> {
-        let [begin, end] = ALWAYS;
-        let mut body = Body::default().number(begin).number(end).text(id).byte(GET_VEHICLE);
-        body = body.number(radius_m).byte(VEHICLE.len() as u8);
-        body.0.extend(VEHICLE);
-        self.ask(0x84, "a subscription", body, "at its start").map(|_| ())
+        self.subscribe(0x84, |body| body.text(id).byte(GET_VEHICLE).number(radius_m), &VEHICLE)
     }
 
     /// Subscribes to a controller of lights.
     pub fn watch(&mut self, controller: &str) -> Done<()> {
+        self.subscribe(0xd2, |body| body.text(controller), &LIGHT)
+    }
+
+    /// Subscribes to variables for the whole run.
+    fn subscribe(&mut self, id: u8, to: impl Fn(Body) -> Body, variables: &[u8]) -> Done<()> {
         let [begin, end] = ALWAYS;
-        let mut body = Body::default().number(begin).number(end).text(controller);
-        body = body.byte(LIGHT.len() as u8);
-        body.0.extend(LIGHT);
-        self.ask(0xd2, "a subscription", body, "at its start").map(|_| ())
+        let mut body = to(Body::default().number(begin).number(end)).byte(variables.len() as u8);
+        body.0.extend(variables);
+        self.ask(id, "a subscription", body, "at its start").map(|_| ())
     }
 
     /// Places a vehicle and steps once, in one message.
@@ -295,7 +275,7 @@ impl Client {
         self.sent.clear();
         let (_, refusal) = answer.status()?;
         if let (_, Some(words)) = answer.status()? {
-            return Err(ProgramError::Refused { command: "a step", words });
+            return Err(ProgramError::refused("a step", &words));
         }
         let mut step = Step { refusal, ..Step::default() };
         for _ in 0..answer.count()? {
@@ -316,8 +296,7 @@ impl Client {
                         (answer.byte()?, answer.byte()?, answer.value()?);
                     match (variable, &value) {
                         _ if result != 0 => {
-                            let words = value.text().to_owned();
-                            return Err(ProgramError::Refused { command: "a subscription", words });
+                            return Err(ProgramError::refused("a subscription", value.text()));
                         }
                         (0x42, Value::Point(front_m)) => vehicle.front_m = *front_m,
                         (0x40, _) => vehicle.speed_mps = value.number(),
@@ -330,9 +309,8 @@ impl Client {
                         (0x28, _) => state.phase = value.number().max(0.0) as usize,
                         (0x38, _) => state.spent_s = value.number(),
                         _ => {
-                            return Err(ProgramError::Nonsense(
-                                "a variable that was not asked for",
-                            ));
+                            let fault = "a variable that was not asked for";
+                            return Err(ProgramError::nonsense(fault));
                         }
                     }
                 }
@@ -355,7 +333,7 @@ impl Drop for Client {
         let _ = self.stream.set_write_timeout(Some(Duration::from_millis(100)));
         if self.send("at the end").is_ok() {
             let _ = self.stream.shutdown(std::net::Shutdown::Write);
-            self.process.end();
+            let _ = self.process.end();
         }
     }
 }

@@ -26,20 +26,24 @@ pub fn edges(ego: &str, net: &Net, files: &[PathBuf]) -> Result<Vec<String>, Rea
             if is_way && id == ego {
                 return of_element(element, &source, net);
             }
-            if is_way && known.len() <= LISTED {
-                known.push(format!("`{id}`"));
+            if is_way {
+                known.push(id.to_owned());
             }
         }
     }
     let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     let file = if names.is_empty() { net.file.clone() } else { names.join(", ") };
-    let rest = if known.len() > LISTED { ", .." } else { "" };
-    known.truncate(LISTED);
     let listed = match known.is_empty() {
         true => "from=EDGE,to=EDGE, for these files have no routes".to_owned(),
-        false => format!("{}{rest} or from=EDGE,to=EDGE", known.join(", ")),
+        false => format!("{} or from=EDGE,to=EDGE", listed(&known)),
     };
-    Err(ReadError::ego(&file, format!("there is no route, vehicle, trip or flow `{ego}`"), listed))
+    Err(ReadError::at(&file, format!("there is no route, vehicle, trip or flow `{ego}`"), listed))
+}
+
+/// The first of these names, for an error.
+fn listed(names: &[impl AsRef<str>]) -> String {
+    let some: Vec<_> = names.iter().take(LISTED).map(|id| format!("`{}`", id.as_ref())).collect();
+    format!("{}{}", some.join(", "), if names.len() > LISTED { ", .." } else { "" })
 }
 
 /// The two edges of `from=EDGE,to=EDGE`, with those of `via=EDGE` between them.
@@ -62,23 +66,17 @@ fn ends(ego: &str) -> Option<Vec<String>> {
 
 fn of_element(element: &Element, source: &Source, net: &Net) -> Result<Vec<String>, ReadError> {
     let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
-    if let Some(edges) = element.attribute("edges") {
-        return Ok(words(edges));
-    }
-    if let Some(edges) = element.child("route").and_then(|route| route.attribute("edges")) {
+    let inside = || element.child("route").and_then(|route| route.attribute("edges"));
+    if let Some(edges) = element.attribute("edges").or_else(inside) {
         return Ok(words(edges));
     }
     if let Some(name) = element.attribute("route") {
         let mut all = source.root.children.iter();
         let found = all.find(|one| one.name == "route" && one.attribute("id") == Some(name));
         let edges = found.and_then(|route| route.attribute("edges"));
-        return edges.map(words).ok_or_else(|| {
-            source.refuse(
-                element,
-                format!("there is no route `{name}` in this file"),
-                "one with edges",
-            )
-        });
+        let reason = format!("there is no route `{name}` in this file");
+        let refuse = || source.refuse(element, reason, "one with edges");
+        return edges.map(words).ok_or_else(refuse);
     }
     let (Some(from), Some(to)) = (element.attribute("from"), element.attribute("to")) else {
         let expected = "edges, a route, or from and to";
@@ -94,25 +92,18 @@ fn of_element(element: &Element, source: &Source, net: &Net) -> Result<Vec<Strin
 fn quickest(net: &Net, stops: &[String]) -> Result<Vec<String>, ReadError> {
     for edge in stops {
         if edge.starts_with(':') || !net.edges.contains_key(edge) {
-            let mut some: Vec<&str> =
-                net.edges.keys().map(String::as_str).filter(|id| !id.starts_with(':')).collect();
-            some.sort_unstable();
-            let rest = if some.len() > LISTED { ", .." } else { "" };
-            some.truncate(LISTED);
-            let names: Vec<String> = some.iter().map(|id| format!("`{id}`")).collect();
-            let expected = format!("one of {}{rest}", names.join(", "));
-            return Err(ReadError::ego(
-                &net.file,
-                format!("the net has no edge `{edge}`"),
-                expected,
-            ));
+            let mut known: Vec<_> = net.edges.keys().filter(|id| !id.starts_with(':')).collect();
+            known.sort_unstable();
+            let expected = format!("one of {}", listed(&known));
+            let reason = format!("the net has no edge `{edge}`");
+            return Err(ReadError::at(&net.file, reason, expected));
         }
     }
     let mut way = vec![stops[0].clone()];
     for pair in stops.windows(2) {
         let part = between(net, &pair[0], &pair[1]).ok_or_else(|| {
             let reason = format!("no way for cars leads from `{}` to `{}`", pair[0], pair[1]);
-            ReadError::ego(&net.file, reason, "two edges that connections join")
+            ReadError::at(&net.file, reason, "two edges that connections join")
         })?;
         way.extend(part);
     }

@@ -35,8 +35,8 @@ mod wire;
 mod world;
 
 pub use error::{ProgramError, ReadError};
-pub use lights::{Colour, Interval, LightNow};
-pub use process::{Network, Program, find_program};
+pub use lights::{Colour, Interval};
+pub use process::Network;
 pub use route::{Light, Limit, Route, read_route};
 pub use world::{Body, Ego, Settings, World};
 

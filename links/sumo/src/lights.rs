@@ -45,17 +45,9 @@ pub struct Interval {
 
 impl Interval {
     /// The end is certain.
-    #[must_use]
     pub fn is_certain(&self) -> bool {
         self.ends_s[0] == self.ends_s[2]
     }
-}
-
-/// A light of the route at an instant.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LightNow {
-    /// The present interval and those behind it; empty while nothing is known.
-    pub intervals: Vec<Interval>,
 }
 
 /// A phase of a program.
@@ -96,8 +88,8 @@ impl Plan {
     }
 
     /// Phase of a movement in a state of `time_s` of the run, and what follows. SUMO's time is ahead by `ahead_s`.
-    pub fn now(&self, state: &State, link: usize, time_s: f64, ahead_s: f64) -> LightNow {
-        let Some(letter) = state.letters.as_bytes().get(link) else { return LightNow::default() };
+    pub fn now(&self, state: &State, link: usize, time_s: f64, ahead_s: f64) -> Vec<Interval> {
+        let Some(letter) = state.letters.as_bytes().get(link) else { return Vec::new() };
         let colour = Colour::of(*letter);
         let switch_s = state.next_s - ahead_s;
         let mut ends_s = [switch_s; 3];
@@ -134,7 +126,7 @@ impl Plan {
             // The last one may go on.
             intervals.pop();
         }
-        LightNow { intervals }
+        intervals
     }
 }
 
@@ -161,11 +153,11 @@ mod tests {
         ]);
         // 5 s of the run are 105 s of SUMO, 10 s into the green.
         let now = plan.now(&state("Gr", 0, 10.0, 125.0), 0, 5.0, 100.0);
-        let ends: Vec<_> = now.intervals.iter().map(|i| (i.colour, i.ends_s[1])).collect();
+        let ends: Vec<_> = now.iter().map(|i| (i.colour, i.ends_s[1])).collect();
         assert_eq!(ends[..3], [(Colour::Green, 25.0), (Colour::Yellow, 28.0), (Colour::Red, 51.0)]);
-        assert!(now.intervals.iter().all(Interval::is_certain));
+        assert!(now.iter().all(Interval::is_certain));
         let other = plan.now(&state("Gr", 0, 10.0, 125.0), 1, 5.0, 100.0);
-        assert_eq!((other.intervals[0].colour, other.intervals[0].ends_s[0]), (Colour::Red, 28.0));
+        assert_eq!((other[0].colour, other[0].ends_s[0]), (Colour::Red, 28.0));
     }
 
     #[test]
@@ -176,20 +168,17 @@ mod tests {
             phase("rG", [5.0, 20.0, 30.0]),
         ]);
         let now = plan.now(&state("Gr", 0, 10.0, 12.0), 0, 11.0, 0.0);
-        assert_eq!(now.intervals[0].ends_s, [11.0, 12.0, 51.0]);
-        assert_eq!(now.intervals[1].ends_s, [14.0, 15.0, 54.0]);
-        assert!(!now.intervals[1].is_certain());
+        assert_eq!(now[0].ends_s, [11.0, 12.0, 51.0]);
+        assert_eq!(now[1].ends_s, [14.0, 15.0, 54.0]);
+        assert!(!now[1].is_certain());
     }
 
     #[test]
     fn a_light_that_never_changes_has_no_end() {
         let plan = Plan(vec![phase("G", [30.0; 3]), phase("g", [3.0; 3])]);
         let now = plan.now(&state("G", 0, 0.0, 30.0), 0, 0.0, 0.0);
-        assert_eq!(now.intervals.len(), 1);
-        assert!(now.intervals[0].ends_s[0].is_infinite());
-        assert_eq!(
-            plan.now(&state("o", 0, 0.0, 30.0), 0, 0.0, 0.0).intervals[0].colour,
-            Colour::Dark
-        );
+        assert_eq!(now.len(), 1);
+        assert!(now[0].ends_s[0].is_infinite());
+        assert_eq!(plan.now(&state("o", 0, 0.0, 30.0), 0, 0.0, 0.0)[0].colour, Colour::Dark);
     }
 }

@@ -1,6 +1,7 @@
 //! A net file: edges with lanes, and the connections between them.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 
 use openscenario::xml::{self, Element};
 
@@ -19,9 +20,7 @@ impl Source {
     /// Reads an XML file.
     pub fn read(path: &std::path::Path) -> Result<Self, ReadError> {
         let name = path.display().to_string();
-        let refuse = |reason: String| {
-            ReadError::File(openscenario::ReadError::File { file: name.clone(), reason })
-        };
+        let refuse = |reason: String| ReadError(format!("{name}: {reason}"));
         if name.ends_with(".gz") {
             return Err(refuse("a compressed file, expected XML (gunzip it)".to_owned()));
         }
@@ -30,11 +29,10 @@ impl Source {
             return Err(refuse("is not a regular file".to_owned()));
         }
         if file.len() > MOST_BYTES as u64 {
-            let reason = format!("has {} bytes, expected at most {MOST_BYTES}", file.len());
-            return Err(refuse(reason));
+            return Err(refuse(format!("has {} bytes, expected at most {MOST_BYTES}", file.len())));
         }
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| refuse(format!("cannot be read: {error}")))?;
+        let text = std::fs::read_to_string(path);
+        let text = text.map_err(|error| refuse(format!("cannot be read: {error}")))?;
         let root = xml::parse_within(&name, &text, MOST_BYTES)?.root;
         Ok(Self { name, root })
     }
@@ -43,11 +41,10 @@ impl Source {
     pub fn refuse(
         &self,
         element: &Element,
-        reason: impl Into<String>,
-        expected: impl Into<String>,
+        reason: impl Display,
+        expected: impl Display,
     ) -> ReadError {
-        let place = format!("{}:{}", self.name, element.spot);
-        ReadError::Meaning { place, reason: reason.into(), expected: expected.into() }
+        ReadError::at(format_args!("{}:{}", self.name, element.spot), reason, expected)
     }
 
     /// The text of an attribute that must be there.
@@ -184,22 +181,18 @@ fn read_lane(source: &Source, element: &Element) -> Result<Lane, ReadError> {
 
 fn read_connection(source: &Source, element: &Element) -> Result<Connection, ReadError> {
     let index = |name: &str| {
-        let number = source.number(element, name, None)?;
-        match number >= 0.0 && number.fract() == 0.0 {
-            true => Ok(number as usize),
-            false => Err(source.refuse(element, format!("{name} = {number}"), "a whole number")),
-        }
+        let text = source.text(element, name)?;
+        let refuse = |_| source.refuse(element, format!("{name}=\"{text}\""), "a whole number");
+        text.parse::<usize>().map_err(refuse)
     };
-    let light = match element.attribute("tl") {
-        Some(id) => Some((id.to_owned(), index("linkIndex")?)),
-        None => None,
-    };
+    let light =
+        element.attribute("tl").map(|id| index("linkIndex").map(|link| (id.to_owned(), link)));
     Ok(Connection {
         from_lane: index("fromLane")?,
         to: source.text(element, "to")?.to_owned(),
         to_lane: index("toLane")?,
         via: element.attribute("via").map(str::to_owned),
-        light,
+        light: light.transpose()?,
         yields: matches!(element.attribute("state"), Some("m" | "s" | "w" | "Z")),
     })
 }

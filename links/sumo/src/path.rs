@@ -9,6 +9,7 @@
 use crate::ReadError;
 use crate::demand::distance;
 use crate::net::{Connection, Lane, Net};
+use crate::route::Light;
 use crate::smooth::between;
 
 /// Points that are nearer to each other are one, m.
@@ -28,19 +29,13 @@ pub struct Stretch {
     pub lines: [Vec<f64>; 2],
 }
 
-/// A light of the path: the controller's id, the place in its state, and the way to its stop line, m.
-pub struct LightOnPath {
-    pub controller: String,
-    pub link: usize,
-    pub at_m: f64,
-}
-
 /// The path in the plane of the net.
 #[derive(Default)]
 pub struct Path {
     pub points: Vec<[f64; 2]>,
     pub stretches: Vec<Stretch>,
-    pub lights: Vec<LightOnPath>,
+    /// Lights with the ways to their stop lines.
+    pub lights: Vec<Light>,
     /// Ways to junctions without lights at which the ego would have to give way, m.
     pub yields_m: Vec<f64>,
     /// Index of the first lane.
@@ -73,8 +68,8 @@ pub fn along(net: &Net, edges: &[String]) -> Result<Path, ReadError> {
         path.drive(&net.edges[edge], on);
         let Some(onward) = on.onward else { continue };
         if let Some((controller, link)) = &onward.light {
-            let controller = controller.clone();
-            path.lights.push(LightOnPath { controller, link: *link, at_m: path.length_m });
+            let (controller, stop_line_m) = (controller.clone(), path.length_m);
+            path.lights.push(Light { controller, link: *link, stop_line_m });
         } else if onward.yields {
             path.yields_m.push(path.length_m);
         }
@@ -86,7 +81,7 @@ pub fn along(net: &Net, edges: &[String]) -> Result<Path, ReadError> {
         }
     }
     match path.points.len() {
-        0 | 1 => Err(ReadError::ego(&net.file, "the ego's edges have no length", "longer edges")),
+        0 | 1 => Err(ReadError::at(&net.file, "the ego's edges have no length", "longer edges")),
         _ => Ok(path),
     }
 }
@@ -172,11 +167,11 @@ fn lanes_along<'a>(net: &'a Net, edges: &[String]) -> Result<Vec<OnEdge<'a>>, Re
     let lanes_of = |edge: &String| {
         net.edges.get(edge).filter(|_| !edge.starts_with(':')).ok_or_else(|| {
             let reason = format!("the net has no edge `{edge}` of the ego's route");
-            ReadError::ego(&net.file, reason, "a route of this net")
+            ReadError::at(&net.file, reason, "a route of this net")
         })
     };
     let Some(last) = edges.last() else {
-        return Err(ReadError::ego(&net.file, "the ego's route has no edges", "one or more"));
+        return Err(ReadError::at(&net.file, "the ego's route has no edges", "one or more"));
     };
     // Changes still to be made from each lane of an edge at its end, and the onward connection with the next leaving lane.
     type End<'a> = Option<(usize, Option<(&'a Connection, usize)>)>;
@@ -199,7 +194,7 @@ fn lanes_along<'a>(net: &'a Net, edges: &[String]) -> Result<Vec<OnEdge<'a>>, Re
             (0..lanes.len()).map(|index| end(index).filter(|_| lanes[index].drivable)).collect();
         if found.iter().all(Option::is_none) {
             let reason = format!("no lane for cars leads from `{}` to `{}`", pair[0], pair[1]);
-            return Err(ReadError::ego(&net.file, reason, "a route whose edges are connected"));
+            return Err(ReadError::at(&net.file, reason, "a route whose edges are connected"));
         }
         ends.push(found);
     }
@@ -207,7 +202,7 @@ fn lanes_along<'a>(net: &'a Net, edges: &[String]) -> Result<Vec<OnEdge<'a>>, Re
     let first = ends[0].iter().enumerate().filter_map(|(index, end)| Some((index, (*end)?.0)));
     let Some((mut leaves, _)) = first.min_by_key(|(_, cost)| *cost) else {
         let reason = format!("cars may not drive on `{}`", edges[0]);
-        return Err(ReadError::ego(&net.file, reason, "an edge with a lane for passenger cars"));
+        return Err(ReadError::at(&net.file, reason, "an edge with a lane for passenger cars"));
     };
     let mut enters = leaves;
     let on = ends.iter().map(|lanes| {

@@ -3,7 +3,7 @@
 use std::io::{self, BufRead, BufReader, Read};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -27,50 +27,34 @@ pub trait Network {
     ///
     /// # Errors
     /// While it does not listen yet.
-    fn connect(&mut self, port: u16) -> io::Result<TcpStream> {
-        TcpStream::connect((Ipv4Addr::LOCALHOST, port))
-    }
-}
-
-/// The program, and its home with the data that it needs.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Program {
-    /// The executable file.
-    pub file: PathBuf,
-    /// `SUMO_HOME`.
-    pub home: Option<PathBuf>,
+    fn connect(&mut self, port: u16) -> io::Result<TcpStream>;
 }
 
 /// Finds `sumo` in `$SUMO_HOME/bin` or on the `PATH`. The script of the Python package leads to the program itself.
-///
-/// # Errors
-/// [`ProgramError::Missing`].
-pub fn find_program() -> Result<Program, ProgramError> {
-    let home = std::env::var_os("SUMO_HOME").map(PathBuf::from);
-    if let Some(home) = &home {
-        let file = home.join("bin/sumo");
-        if file.is_file() {
-            return Ok(Program { file, home: Some(home.clone()) });
-        }
-    }
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let file = std::env::split_paths(&path).map(|place| place.join("sumo")).find(|f| f.is_file());
-    let file = file.ok_or(ProgramError::Missing)?;
-    let packaged = packaged(&file).filter(|home| home.join("bin/sumo").is_file());
-    Ok(match packaged {
-        Some(home) => Program { file: home.join("bin/sumo"), home: Some(home) },
-        None => Program { file, home: None },
+fn find_program() -> Result<PathBuf, ProgramError> {
+    let (home, path) = (std::env::var_os("SUMO_HOME"), std::env::var_os("PATH"));
+    let home = home.map(|home| PathBuf::from(home).join("bin/sumo"));
+    let path = path.unwrap_or_default();
+    let on_path = std::env::split_paths(&path).map(|place| place.join("sumo"));
+    let found = home.into_iter().chain(on_path).find(|file| file.is_file());
+    found.map(|file| packaged(&file).unwrap_or(file)).ok_or_else(|| {
+        let program = "there is no program `sumo` in $SUMO_HOME/bin or on the PATH";
+        let expected = "SUMO 1.20 or later (pip install eclipse-sumo)";
+        ProgramError(format!("{program}, expected {expected}"))
     })
 }
 
-/// The home of a script of the Python package: `../lib/python3.x/site-packages/sumo`.
+/// Home of the Python package.
+const PACKAGE: &str = "site-packages/sumo";
+
+/// The program behind a script of the Python package: `../lib/python3.x/site-packages/sumo/bin/sumo`.
 fn packaged(file: &Path) -> Option<PathBuf> {
     let mut begin = [0; 2];
     std::fs::File::open(file).ok()?.read_exact(&mut begin).ok()?;
     let libraries = file.parent()?.parent()?.join("lib");
     let versions = std::fs::read_dir(libraries).ok().filter(|_| begin == *b"#!")?;
-    let mut homes = versions.flatten().map(|version| version.path().join("site-packages/sumo"));
-    homes.find(|home| home.is_dir())
+    let programs = versions.flatten().map(|one| one.path().join(PACKAGE).join("bin/sumo"));
+    programs.into_iter().find(|program| program.is_file())
 }
 
 /// The running program.
@@ -81,25 +65,22 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts the program with arguments and a port, and connects to it.
+    /// Finds and starts the program with arguments and a port, and connects to it.
     pub fn start(
-        program: &Program,
         arguments: &[String],
         network: &mut dyn Network,
     ) -> Result<(Self, TcpStream), ProgramError> {
-        let refuse = |reason| {
-            let program = program.file.display().to_string();
-            ProgramError::Start { program, reason }
-        };
-        let port = free_port().map_err(refuse)?;
-        let mut command = Command::new(&program.file);
+        let program = find_program()?;
+        let refuse = ProgramError::start(program.display());
+        let port = free_port().map_err(&refuse)?;
+        let mut command = Command::new(&program);
         command.args(arguments).arg("--remote-port").arg(port.to_string());
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
-        if let Some(home) = &program.home {
+        if let Some(home) = program.ancestors().nth(2).filter(|home| home.ends_with(PACKAGE)) {
             command.env("SUMO_HOME", home);
         }
-        network.prepare(&mut command).map_err(refuse)?;
-        let mut child = command.spawn().map_err(refuse)?;
+        network.prepare(&mut command).map_err(&refuse)?;
+        let mut child = command.spawn().map_err(&refuse)?;
         let errors = child.stderr.take().map(|errors| std::thread::spawn(move || lines(errors)));
         let mut this = Self { child, errors };
         let begun = Instant::now();
@@ -108,8 +89,7 @@ impl Process {
                 Ok(stream) => return Ok((this, stream)),
                 Err(_) if this.is_gone() => return Err(this.ended("at its start")),
                 Err(_) if begun.elapsed() > START => {
-                    let (when, waited_s) = ("at its start".to_owned(), START.as_secs_f64());
-                    return Err(ProgramError::Silent { when, waited_s });
+                    return Err(ProgramError::silent("at its start", START.as_secs_f64()));
                 }
                 Err(_) => std::thread::sleep(ATTEMPT),
             }
@@ -122,12 +102,7 @@ impl Process {
 
     /// The error of a connection that broke: the program's last words, or its status.
     pub fn ended(&mut self, when: &str) -> ProgramError {
-        let begun = Instant::now();
-        while !self.is_gone() && begun.elapsed() < END {
-            std::thread::sleep(ATTEMPT);
-        }
-        let _ = self.child.kill();
-        let status = self.child.wait();
+        let status = self.end();
         let lines = self.errors.take().and_then(|errors| errors.join().ok()).unwrap_or_default();
         let fault = lines.iter().find_map(|line| line.strip_prefix("Error: "));
         let last = || lines.iter().rev().find(|line| !line.starts_with("Quitting"));
@@ -136,7 +111,7 @@ impl Process {
             Ok(status) => status.to_string(),
             Err(error) => error.to_string(),
         });
-        ProgramError::Ended { when: when.to_owned(), words }
+        ProgramError(format!("ended {when}: {words}"))
     }
 
     pub fn kill(&mut self) {
@@ -144,19 +119,19 @@ impl Process {
     }
 
     /// Waits for its end, which the closed connection brings, and kills it otherwise.
-    pub fn end(&mut self) {
+    pub fn end(&mut self) -> io::Result<ExitStatus> {
         let begun = Instant::now();
         while !self.is_gone() && begun.elapsed() < END {
             std::thread::sleep(Duration::from_millis(1));
         }
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        self.kill();
+        self.child.wait()
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
-        let _ = self.child.kill();
+        self.kill();
         let _ = self.child.wait();
     }
 }

@@ -6,10 +6,9 @@ use road::{Axis, AxisError, LaneLines, Piece, Pose};
 use serde::{Deserialize, Serialize};
 
 use crate::ReadError;
-use crate::config::Config;
 use crate::net::Net;
 use crate::smooth::Smooth;
-use crate::{demand, path};
+use crate::{config, demand, path};
 
 /// Smallest radius of a route, m: turns inside of junctions are narrow.
 const MIN_RADIUS_M: f64 = 1.0;
@@ -82,13 +81,11 @@ impl Route {
     }
 
     /// The largest limit of the route, m/s.
-    #[must_use]
     pub fn fastest_mps(&self) -> f64 {
         self.limits.iter().map(|limit| limit.speed_mps).fold(0.0, f64::max)
     }
 
     /// Speed at a place from which all limits ahead are met with a braking, m/s.
-    #[must_use]
     pub fn allowed_mps(&self, place_m: f64, braking_mps2: f64, lead_m: f64) -> f64 {
         let next = self.limits.partition_point(|limit| limit.from_m <= place_m);
         let here = next.checked_sub(1).map_or(f64::INFINITY, |now| self.limits[now].speed_mps);
@@ -100,7 +97,6 @@ impl Route {
     }
 
     /// Time of a free drive at the limits, s.
-    #[must_use]
     pub fn free_s(&self) -> f64 {
         let length_m: f64 = self.pieces.iter().map(Piece::length_m).sum();
         let ends = self.limits.iter().skip(1).map(|limit| limit.from_m).chain([length_m]);
@@ -115,14 +111,14 @@ impl Route {
 /// # Errors
 /// When a file cannot be read, or has no such route.
 pub fn read_route(file: &File, ego: &str, length_m: f64) -> Result<Route, ReadError> {
-    let config = Config::read(file)?;
-    let net = Net::read(&config.net)?;
-    let edges = demand::edges(ego, &net, &config.demand)?;
+    let (net, demand) = config::read(file)?;
+    let net = Net::read(&net)?;
+    let edges = demand::edges(ego, &net, &demand)?;
     let path = path::along(&net, &edges)?;
     let smooth = Smooth::of(&path.points);
     let whole = Axis::narrow(&smooth.pieces, MIN_RADIUS_M).map_err(|error| {
         let reason = format!("the route `{ego}` has {error}");
-        ReadError::ego(&net.file, reason, format!("turns of at least {MIN_RADIUS_M} m radius"))
+        ReadError::at(&net.file, reason, format!("turns of at least {MIN_RADIUS_M} m radius"))
     })?;
     let depart_m = (length_m + BEHIND_M).min(0.5 * whole.length_m());
     let end_m = (whole.length_m() - BEFORE_END_M).max(depart_m + BEHIND_M);
@@ -137,12 +133,12 @@ pub fn read_route(file: &File, ego: &str, length_m: f64) -> Result<Route, ReadEr
         .collect();
     let mut lights: Vec<Light> = Vec::new();
     for light in path.lights {
-        let stop_line_m = place(light.at_m);
+        let stop_line_m = place(light.stop_line_m);
         let is_behind = lights.last().is_some_and(|last| last.stop_line_m + APART_M > stop_line_m);
         if stop_line_m <= 0.0 || is_behind || stop_line_m > end_m - depart_m {
             continue;
         }
-        lights.push(Light { controller: light.controller, link: light.link, stop_line_m });
+        lights.push(Light { stop_line_m, ..light });
     }
     notes.truncate(4);
     let mut limits: Vec<Limit> = Vec::new();
@@ -152,16 +148,16 @@ pub fn read_route(file: &File, ego: &str, length_m: f64) -> Result<Route, ReadEr
             limits.push(Limit { from_m, speed_mps });
         }
     }
-    let limits = with_curves(&limits, &whole, depart_m, end_m);
+    let along = Along { axis: &whole, depart_m, length_m: end_m - depart_m };
     Ok(Route {
         edges,
         lane: path.first_lane,
         depart_m,
-        lines: lane_lines(&path.stretches, &place, &whole, depart_m, end_m),
+        lines: along.lane_lines(&path.stretches, &place),
         pieces,
         start,
         beside: path.beside,
-        limits,
+        limits: along.with_curves(&limits),
         lights,
         notes,
     })
@@ -184,55 +180,61 @@ fn cut(pieces: &[Piece], axis: &Axis, from_m: f64, to_m: f64) -> (Vec<Piece>, Po
     (kept, axis.pose(from_m))
 }
 
-/// The limits, lowered where a curve is passed slower. The map of curves has cells of 25 m, and turns inside of junctions are
-/// shorter.
-fn with_curves(limits: &[Limit], axis: &Axis, depart_m: f64, end_m: f64) -> Vec<Limit> {
-    let mut all: Vec<Limit> = Vec::new();
-    let cells = libm::ceil((end_m - depart_m) / CELL_M) as u32;
-    for cell in 0..cells {
-        let from_m = f64::from(cell) * CELL_M;
-        let legal = |limit: &&Limit| limit.from_m < from_m + CELL_M;
-        let last = limits.iter().take_while(legal).last();
-        let begun = limits.iter().take_while(|limit| limit.from_m <= from_m).last();
-        let legal_mps = [last, begun].into_iter().flatten().map(|limit| limit.speed_mps);
-        let legal_mps = legal_mps.fold(f64::INFINITY, f64::min);
-        let samples =
-            (0..CELL_SAMPLES).map(|k| from_m + CELL_M * f64::from(k) / f64::from(CELL_SAMPLES));
-        let sharpest =
-            samples.map(|p_m| axis.curvature_perm(p_m + depart_m).abs()).fold(0.0, f64::max);
-        let curve_mps = (LATERAL_MPS2 / sharpest.max(1e-9)).sqrt();
-        let speed_mps =
-            if curve_mps < legal_mps { (10.0 * curve_mps).floor() / 10.0 } else { legal_mps };
-        if all.last().is_none_or(|last| last.speed_mps != speed_mps) {
-            all.push(Limit { from_m, speed_mps });
-        }
-    }
-    all
+/// The part of an axis on which the ego drives; places count from its beginning.
+struct Along<'a> {
+    axis: &'a Axis,
+    depart_m: f64,
+    length_m: f64,
 }
 
-/// Lines of the lanes along the route. In a narrow turn they stay on this side of its centre.
-fn lane_lines(
-    stretches: &[path::Stretch],
-    place: &dyn Fn(f64) -> f64,
-    axis: &Axis,
-    depart_m: f64,
-    end_m: f64,
-) -> LaneLines {
-    let mut stations: Vec<Vec<f64>> = Vec::new();
-    for stretch in stretches {
-        for (way_m, lines) in [stretch.from_m, stretch.to_m].into_iter().zip(&stretch.lines) {
-            let last_m = stations.last().map_or(-depart_m, |station| station[0]);
-            let p_m = place(way_m).min(end_m - depart_m).max(last_m);
-            let curvature_perm = axis.curvature_perm(p_m + depart_m);
-            let inner_m = INNER_SHARE / curvature_perm.abs().max(1e-9);
-            let within = |line_m: &f64| match line_m * curvature_perm > 0.0 {
-                true => line_m.clamp(-inner_m, inner_m),
-                false => *line_m,
-            };
-            let mut station = vec![p_m];
-            station.extend(lines.iter().map(within));
-            stations.push(station);
-        }
+impl Along<'_> {
+    fn curvature_perm(&self, p_m: f64) -> f64 {
+        self.axis.curvature_perm(p_m + self.depart_m)
     }
-    LaneLines::new(stations)
+
+    /// The limits, lowered where a curve is passed slower. The map of curves has cells of 25 m, and turns inside of junctions are
+    /// shorter.
+    fn with_curves(&self, limits: &[Limit]) -> Vec<Limit> {
+        let mut all: Vec<Limit> = Vec::new();
+        let cells = libm::ceil(self.length_m / CELL_M) as u32;
+        for cell in 0..cells {
+            let from_m = f64::from(cell) * CELL_M;
+            let legal = |limit: &&Limit| limit.from_m < from_m + CELL_M;
+            let last = limits.iter().take_while(legal).last();
+            let begun = limits.iter().take_while(|limit| limit.from_m <= from_m).last();
+            let legal_mps = [last, begun].into_iter().flatten().map(|limit| limit.speed_mps);
+            let legal_mps = legal_mps.fold(f64::INFINITY, f64::min);
+            let samples =
+                (0..CELL_SAMPLES).map(|k| from_m + CELL_M * f64::from(k) / f64::from(CELL_SAMPLES));
+            let sharpest = samples.map(|p_m| self.curvature_perm(p_m).abs()).fold(0.0, f64::max);
+            let curve_mps = (LATERAL_MPS2 / sharpest.max(1e-9)).sqrt();
+            let speed_mps =
+                if curve_mps < legal_mps { (10.0 * curve_mps).floor() / 10.0 } else { legal_mps };
+            if all.last().is_none_or(|last| last.speed_mps != speed_mps) {
+                all.push(Limit { from_m, speed_mps });
+            }
+        }
+        all
+    }
+
+    /// Lines of the lanes along the route. In a narrow turn they stay on this side of its centre.
+    fn lane_lines(&self, stretches: &[path::Stretch], place: &dyn Fn(f64) -> f64) -> LaneLines {
+        let mut stations: Vec<Vec<f64>> = Vec::new();
+        for stretch in stretches {
+            for (way_m, lines) in [stretch.from_m, stretch.to_m].into_iter().zip(&stretch.lines) {
+                let last_m = stations.last().map_or(-self.depart_m, |station| station[0]);
+                let p_m = place(way_m).min(self.length_m).max(last_m);
+                let curvature_perm = self.curvature_perm(p_m);
+                let inner_m = INNER_SHARE / curvature_perm.abs().max(1e-9);
+                let within = |line_m: &f64| match line_m * curvature_perm > 0.0 {
+                    true => line_m.clamp(-inner_m, inner_m),
+                    false => *line_m,
+                };
+                let mut station = vec![p_m];
+                station.extend(lines.iter().map(within));
+                stations.push(station);
+            }
+        }
+        LaneLines::new(stations)
+    }
 }

@@ -34,7 +34,7 @@ impl Value {
     }
 }
 
-/// The body of a command.
+/// The body of a command. A typed value has its type before it.
 #[derive(Clone, Debug, Default)]
 pub struct Body(pub Vec<u8>);
 
@@ -60,17 +60,14 @@ impl Body {
         self
     }
 
-    /// A text with its type.
     pub fn typed_text(self, text: &str) -> Self {
         self.byte(0x0c).text(text)
     }
 
-    /// A number with its type.
     pub fn typed_number(self, value: f64) -> Self {
         self.byte(0x0b).number(value)
     }
 
-    /// A whole number with its type.
     pub fn typed_whole(self, value: i32) -> Self {
         self.byte(0x09).whole(value)
     }
@@ -98,7 +95,7 @@ type Read<T> = Result<T, ProgramError>;
 impl<'a> Answer<'a> {
     fn take(&mut self, count: usize) -> Read<&'a [u8]> {
         let taken = self.0.split_at_checked(count);
-        let (taken, rest) = taken.ok_or(ProgramError::Nonsense("it ends too early"))?;
+        let (taken, rest) = taken.ok_or_else(|| ProgramError::nonsense("it ends too early"))?;
         self.0 = rest;
         Ok(taken)
     }
@@ -119,7 +116,7 @@ impl<'a> Answer<'a> {
     pub fn count(&mut self) -> Read<usize> {
         let count = self.whole()?;
         let count = usize::try_from(count).ok().filter(|count| *count <= self.0.len());
-        count.ok_or(ProgramError::Nonsense("a count beyond its end"))
+        count.ok_or_else(|| ProgramError::nonsense("a count beyond its end"))
     }
 
     pub fn number(&mut self) -> Read<f64> {
@@ -172,7 +169,7 @@ impl<'a> Answer<'a> {
                 let parts = (0..count).map(|_| self.nested(depth + 1));
                 Value::Compound(parts.collect::<Read<_>>()?)
             }
-            _ => return Err(ProgramError::Nonsense("a value of an unknown type")),
+            _ => return Err(ProgramError::nonsense("a value of an unknown type")),
         })
     }
 }

@@ -10,13 +10,14 @@
 //! In simulated time a step waits for its answer. In realtime the answer is taken when it has come, so that no cycle waits
 //! for SUMO: the vehicles go on from the last one meanwhile.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use road::{Axis, Pose};
 
 use crate::client::{Client, State, Vehicle};
-use crate::lights::{LightNow, Plan};
-use crate::process::{Network, Process, find_program};
+use crate::lights::{Interval, Plan};
+use crate::process::{Network, Process};
 use crate::{ProgramError, RADIUS_M, Route, STEP_MS};
 
 /// Time between two steps, ns.
@@ -107,11 +108,9 @@ pub struct World {
     client: Client,
     route: Route,
     axis: Axis,
-    length_m: f64,
     /// Places of the axis at even distances.
     marks: Vec<[f64; 2]>,
     ego: String,
-    most: usize,
     waits: bool,
     /// A step was begun, and its answer not taken.
     is_open: bool,
@@ -123,7 +122,8 @@ pub struct World {
     place_m: f64,
     /// Ids and bodies at the newest answer; a vehicle keeps its slot.
     slots: Vec<(String, Body)>,
-    bodies: Vec<Body>,
+    /// Time since that answer, s.
+    age_s: f64,
     plans: Vec<(String, Plan)>,
     states: Vec<State>,
 }
@@ -141,8 +141,7 @@ impl World {
         route: &Route,
         network: &mut dyn Network,
     ) -> Result<Self, ProgramError> {
-        let program = find_program()?;
-        let started = Process::start(&program, &arguments(settings), network)?;
+        let started = Process::start(&arguments(settings), network)?;
         let mut client = Client::open(started, settings.deadline_s)?;
         let from_s = client.time_s()?;
         let mut time_s = from_s;
@@ -166,7 +165,11 @@ impl World {
             }
             if time_s > waits_from_s + ROOM_S {
                 let lane = format!("{}_{}", route.edges[0], route.lane);
-                return Err(ProgramError::NoRoom { lane, waited_s: ROOM_S });
+                let waited = format!("no room for the ego on lane `{lane}` within {ROOM_S} s");
+                let expected = "a lane with a gap (traffic.begin_s moves the start)";
+                return Err(ProgramError(format!(
+                    "{waited} of simulated time, expected {expected}"
+                )));
             }
         }
         client.surround(&ego, RADIUS_M)?;
@@ -186,12 +189,10 @@ impl World {
         };
         Ok(Self {
             client,
-            length_m: axis.length_m(),
             marks: (0..=count).map(mark).collect(),
             axis,
             route: route.clone(),
             ego,
-            most: settings.most,
             waits: settings.waits,
             is_open: false,
             known_ns: 0,
@@ -200,7 +201,7 @@ impl World {
             ahead_s: time_s + STEP_MS as f64 * 1e-3,
             place_m: 0.0,
             slots: vec![Default::default(); settings.most],
-            bodies: vec![Body::default(); settings.most],
+            age_s: 0.0,
             plans,
             states: Vec::new(),
         })
@@ -227,26 +228,21 @@ impl World {
                 self.take()?;
             }
         }
-        let age_s = seconds(time_ns.saturating_sub(self.known_ns));
-        for (body, (_, known)) in self.bodies.iter_mut().zip(&self.slots) {
-            *body = known.after(age_s);
-        }
+        self.age_s = seconds(time_ns.saturating_sub(self.known_ns));
         Ok(())
     }
 
     /// The vehicles around the ego; a vehicle keeps its place in the list.
-    #[must_use]
-    pub fn bodies(&self) -> &[Body] {
-        &self.bodies
+    pub fn bodies(&self) -> impl Iterator<Item = Body> + '_ {
+        self.slots.iter().map(|(_, known)| known.after(self.age_s))
     }
 
-    /// A light of the route by its index. Empty while nothing is known.
-    #[must_use]
-    pub fn light(&self, index: usize, time_s: f64) -> LightNow {
+    /// The present interval of a light of the route, by its index, and those behind it. Empty while nothing is known.
+    pub fn light(&self, index: usize, time_s: f64) -> Vec<Interval> {
         let light = &self.route.lights[index];
         let state = self.states.iter().find(|state| state.controller == light.controller);
         let plan = self.plans.iter().find(|(controller, _)| *controller == light.controller);
-        let (Some(state), Some((_, plan))) = (state, plan) else { return LightNow::default() };
+        let (Some(state), Some((_, plan))) = (state, plan) else { return Vec::new() };
         let known_s = seconds(self.known_ns).min(time_s);
         plan.now(state, light.link, known_s, self.ahead_s)
     }
@@ -256,9 +252,9 @@ impl World {
         (self.is_open, self.known_ns) = (false, self.next_ns - STEP_NS);
         let step = self.client.end_step()?;
         if let Some(words) = step.refusal
-            && self.place_m < self.length_m - NEAR_END_M
+            && self.place_m < self.axis.length_m() - NEAR_END_M
         {
-            return Err(ProgramError::Refused { command: "placing the ego", words });
+            return Err(ProgramError::refused("placing the ego", &words));
         }
         if !step.states.is_empty() {
             self.states = step.states;
@@ -272,29 +268,15 @@ impl World {
             .map(|vehicle| (away_m(vehicle.front_m), vehicle))
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.id.cmp(&b.1.id)));
-        let mut found: Vec<(String, Body)> = Vec::with_capacity(self.most);
-        for (_, vehicle) in near {
-            if found.len() == self.most {
-                break;
-            }
-            if let Some(body) = self.body(&vehicle) {
-                found.push((vehicle.id, body));
-            }
-        }
+        let bodies = near.into_iter().filter_map(|(_, v)| Some((self.body(&v)?, v.id)));
+        let mut found: BTreeMap<_, _> =
+            bodies.take(self.slots.len()).map(|(body, id)| (id, body)).collect();
         for (id, body) in &mut self.slots {
-            match found.iter().position(|(other, _)| body.present && other == id) {
-                Some(index) => *body = found.swap_remove(index).1,
-                None => *body = Body::default(),
-            }
+            let known = body.present.then(|| found.remove(id)).flatten();
+            *body = known.unwrap_or_default();
         }
-        // `swap_remove` moves the rest about: new ones come in the order of their names.
-        found.sort_by(|a, b| a.0.cmp(&b.0));
-        let mut free = self.slots.iter_mut().filter(|(_, body)| !body.present);
-        for new in found {
-            if let Some(slot) = free.next() {
-                *slot = new;
-            }
-        }
+        let free = self.slots.iter_mut().filter(|(_, body)| !body.present);
+        free.zip(found).for_each(|(slot, new)| *slot = new);
         Ok(())
     }
 
@@ -345,22 +327,13 @@ impl World {
 
 /// Arguments of the program.
 fn arguments(settings: &Settings) -> Vec<String> {
-    let seed = settings.seed % (1 << 31);
-    let step_s = STEP_MS as f64 * 1e-3;
-    let words = [
-        ("--step-length", format!("{step_s}")),
-        ("--seed", seed.to_string()),
-        ("--random", "false".to_owned()),
-        ("--collision.action", "none".to_owned()),
-        ("--no-step-log", "true".to_owned()),
-        ("--no-warnings", "true".to_owned()),
-        ("--duration-log.disable", "true".to_owned()),
-        ("--xml-validation", "never".to_owned()),
-        ("--num-clients", "1".to_owned()),
-    ];
-    let mut all = vec!["-c".to_owned(), settings.config.display().to_string()];
-    all.extend(words.into_iter().flat_map(|(name, value)| [name.to_owned(), value]));
-    all
+    let (seed, step_s) = (settings.seed % (1 << 31), STEP_MS as f64 * 1e-3);
+    let words = format!(
+        "--step-length {step_s} --seed {seed} --random false --collision.action none --no-step-log true \
+         --no-warnings true --duration-log.disable true --xml-validation never --num-clients 1"
+    );
+    let config = ["-c".to_owned(), settings.config.display().to_string()];
+    config.into_iter().chain(words.split(' ').map(str::to_owned)).collect()
 }
 
 fn seconds(time_ns: u64) -> f64 {

@@ -73,7 +73,7 @@ impl SumoWorld {
         let ego = sumo::Ego { pose: in_plane.pose, place_m, speed_mps };
         self.world.advance(time_ns, &ego).map_err(failed)?;
         self.time_s = time_ns as f64 * 1e-9;
-        traffic.place(self.world.bodies().iter().map(vehicle));
+        traffic.place(self.world.bodies().map(|body| vehicle(&body)));
         Ok(())
     }
 
@@ -85,7 +85,7 @@ impl SumoWorld {
             let near = lanes.iter().enumerate();
             let near = near.filter(|(_, lane)| lane.stop_line_m > ego_m - PASSED_M);
             for (index, lane) in near.take(MAX_LANES) {
-                let intervals = world.light(index, *time_s).intervals;
+                let intervals = world.light(index, *time_s);
                 let is_dark = intervals.first().is_none_or(|now| now.colour == Colour::Dark);
                 if is_dark {
                     continue;
