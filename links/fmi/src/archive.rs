@@ -23,9 +23,6 @@ pub struct Archive {
 
 impl Archive {
     /// Opens an archive and reads its table.
-    ///
-    /// # Errors
-    /// When the file is not there, or not such an archive.
     pub fn open(path: &Path) -> Result<Self, UnitError> {
         let place = path.display().to_string();
         let refuse =
@@ -49,10 +46,7 @@ impl Archive {
         self.entries.iter().map(|(name, ..)| name.as_str())
     }
 
-    /// The bytes of a file.
-    ///
-    /// # Errors
-    /// When it is not there, is broken, or has more than `most` bytes.
+    /// The bytes of a file that is there, is whole, and has at most `most` bytes.
     pub fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, UnitError> {
         let refuse = |fault: String, expected: &str| UnitError::new(&self.place, fault, expected);
         let entry = self.entries.iter().find(|(known, ..)| known == name);
@@ -78,9 +72,6 @@ impl Archive {
     }
 
     /// Unpacks the files of some folders into a directory.
-    ///
-    /// # Errors
-    /// When a file is broken, or the disk does not take it.
     pub fn unpack(&self, folders: &[&str], directory: &Path) -> Result<(), UnitError> {
         let is_inside = |name: &&str| {
             !name.ends_with('/') && folders.iter().any(|folder| name.starts_with(folder))

@@ -11,9 +11,7 @@ pub const FILE: &str = "modelDescription.xml";
 /// Version of the interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
-    /// 2.0.
     Two,
-    /// 3.0.
     Three,
 }
 

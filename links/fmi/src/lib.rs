@@ -14,7 +14,6 @@
 
 mod archive;
 mod description;
-mod error;
 mod instance;
 mod measure;
 mod quantity;
@@ -24,7 +23,6 @@ mod vehicle;
 mod wiring;
 
 pub use archive::pack;
-pub use error::UnitError;
 pub use serve::run;
 pub use vehicle::{Motion, Request};
 
@@ -35,8 +33,6 @@ use unit::Unit;
 
 /// Beginning of the line on standard error with which a unit's process explains its end.
 pub const LAST_WORD: &str = "unit failed: ";
-/// End of a unit's name.
-const ENDING: &str = ".fmu";
 
 /// True if the first word of a command is a unit, not a program.
 ///
@@ -44,7 +40,7 @@ const ENDING: &str = ".fmu";
 /// assert!(fmi::is_unit("models/law.fmu") && !fmi::is_unit("./law"));
 /// ```
 pub fn is_unit(word: &str) -> bool {
-    word.len() > ENDING.len() && word.to_ascii_lowercase().ends_with(ENDING)
+    word.len() > 4 && word.to_ascii_lowercase().ends_with(".fmu")
 }
 
 /// Checks that a unit can be a law; `words` are those behind it in its command.
@@ -87,4 +83,26 @@ pub fn host(part: &str) -> Result<Vec<String>, UnitError> {
     })?;
     let program = program.to_string_lossy().into_owned();
     Ok([program, "service".into(), "fmu".into(), part.into()].to_vec())
+}
+
+/// A unit that cannot be used: the file and its part, the fault, and what was expected.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {fault}, expected {expected}")]
+pub struct UnitError {
+    /// The file, or a file inside it.
+    pub place: String,
+    /// The fault.
+    pub fault: String,
+    /// The right form.
+    pub expected: String,
+}
+
+impl UnitError {
+    pub(crate) fn new(
+        place: impl std::fmt::Display,
+        fault: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self { place: place.to_string(), fault: fault.into(), expected: expected.into() }
+    }
 }

@@ -23,12 +23,15 @@ pub struct Measure {
 }
 
 /// Names that units use without a definition, or as the end of a variable's name.
-const KNOWN: [(&[&str], Dimension, f64); 16] = [
+const KNOWN: [(&[&str], Dimension, f64); 15] = [
     (&["m/s", "m.s-1", "m s-1", "m*s^-1", "meter/second", "mps"], SPEED, 1.0),
     (&["km/h", "kph", "kmh", "kmph"], SPEED, 1.0 / 3.6),
     (&["mph", "mi/h", "mile/h"], SPEED, 0.447_04),
-    (&["m/s2", "m/s^2", "m/s²", "m/(s2)", "m/(s^2)", "m.s-2", "mps2", "ms2"], ACCELERATION, 1.0),
-    (&["m/s/s"], ACCELERATION, 1.0),
+    (
+        &["m/s2", "m/s^2", "m/s²", "m/(s2)", "m/(s^2)", "m.s-2", "mps2", "ms2", "m/s/s"],
+        ACCELERATION,
+        1.0,
+    ),
     // Standard gravity; `g` alone may be a gram.
     (&["g0", "gn", "g_n"], ACCELERATION, 9.806_65),
     (&["m", "meter", "metre"], LENGTH, 1.0),

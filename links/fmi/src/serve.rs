@@ -78,18 +78,14 @@ impl Drop for Unpacked {
 }
 
 fn serve<A: Pod, Q: Part<A> + Pod>(path: &Path, words: &[String]) -> Result<(), UnitError> {
-    // The host closes the pipe when the process is to go: that is no error.
     let system = |error: io::Error| {
         UnitError::new(path.display(), error.to_string(), "a machine that lets it run")
     };
     let unit = Unit::<Q, A>::read(path, words)?;
     let (mut questions, mut answers) = own_streams().map_err(system)?;
-    if !unit.wiring.unused.is_empty() {
-        eprintln!(
-            "{}: inputs that keep their start: {}",
-            path.display(),
-            unit.wiring.unused.join(", ")
-        );
+    let unused = unit.wiring.unused.join(", ");
+    if !unused.is_empty() {
+        eprintln!("{}: inputs that keep their start: {unused}", path.display());
     }
     let directory = Unpacked::create().map_err(system)?;
     let platform = unit.library.rsplit_once('/').map_or("binaries/", |(folder, _)| folder);
@@ -100,11 +96,11 @@ fn serve<A: Pod, Q: Part<A> + Pod>(path: &Path, words: &[String]) -> Result<(), 
     let mut running = Running { unit: &unit, instance, question_s: 0.0, is_fresh: false };
     let mut question = Q::zeroed();
     let mut is_first = true;
-    while read_whole(&mut questions, bytemuck::bytes_of_mut(&mut question)).map_err(system)? {
+    // The host closes its pipes when the process is to go: that is no error.
+    while questions.read_exact(bytemuck::bytes_of_mut(&mut question)).is_ok() {
         let answer = running.answer(&question)?;
-        match answers.write_all(bytemuck::bytes_of(&answer)) {
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => break,
-            written => written.map_err(system)?,
+        if answers.write_all(bytemuck::bytes_of(&answer)).is_err() {
+            break;
         }
         if std::mem::take(&mut is_first) && !running.has_start() {
             // The first question only proves the unit: the second one finds a new instance.
@@ -129,9 +125,9 @@ impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
         let wiring = &self.unit.wiring;
         let mut starts: Vec<_> =
             wiring.starts.iter().map(|(variable, value)| (variable, *value)).collect();
-        for (quantity, wire) in &wiring.wires {
+        for (quantity, variable, measure) in &wiring.wires {
             if let Flow::Start(value) = quantity.flow {
-                starts.push((&wire.variable, wire.measure.of_si(value(question))));
+                starts.push((variable, measure.of_si(value(question))));
             }
         }
         self.instance.begin(&starts)?;
@@ -141,7 +137,7 @@ impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
 
     /// True if each beginning has a value of its own.
     fn has_start(&self) -> bool {
-        self.unit.wiring.wires.iter().any(|(q, _)| matches!(q.flow, Flow::Start(_)))
+        self.unit.wiring.wires.iter().any(|(q, ..)| matches!(q.flow, Flow::Start(_)))
     }
 
     fn answer(&mut self, question: &Q) -> Result<A, UnitError> {
@@ -154,9 +150,9 @@ impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
         if self.is_fresh {
             self.question_s = time_s;
         }
-        for (quantity, wire) in &self.unit.wiring.wires {
+        for (quantity, variable, measure) in &self.unit.wiring.wires {
             if let Flow::Input(value) = quantity.flow {
-                self.instance.set(&wire.variable, wire.measure.of_si(value(question)))?;
+                self.instance.set(variable, measure.of_si(value(question)))?;
             }
         }
         let what = &self.unit.description;
@@ -172,9 +168,9 @@ impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
         }
         let mut answer = A::zeroed();
         bytemuck::bytes_of_mut(&mut answer)[..8].copy_from_slice(bytemuck::bytes_of(&sequence));
-        for (quantity, wire) in &self.unit.wiring.wires {
+        for (quantity, variable, measure) in &self.unit.wiring.wires {
             if let Flow::Output(keep) = quantity.flow {
-                keep(&mut answer, wire.measure.to_si(self.instance.get(&wire.variable)?));
+                keep(&mut answer, measure.to_si(self.instance.get(variable)?));
             }
         }
         match question.fault(&answer).filter(|_| reset != 0) {
@@ -190,13 +186,4 @@ fn own_streams() -> io::Result<(File, File)> {
     rustix::stdio::dup2_stdin(File::open("/dev/null")?)?;
     rustix::stdio::dup2_stdout(io::stderr())?;
     Ok(own)
-}
-
-/// Reads a whole record; false at the end of the input.
-fn read_whole(from: &mut impl Read, record: &mut [u8]) -> io::Result<bool> {
-    match from.read_exact(record) {
-        Ok(()) => Ok(true),
-        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
-        Err(error) => Err(error),
-    }
 }

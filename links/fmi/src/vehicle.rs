@@ -40,15 +40,12 @@ pub struct Request {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Motion {
-    /// Number of the question.
     pub sequence: u64,
     /// 1 if the unit has a position and an acceleration; they follow from the speed otherwise.
     pub has_position: u64,
     pub has_acceleration: u64,
     /// Way since the unit's start, m.
     pub position_m: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
-    /// Acceleration, m/s².
     pub acceleration_mps2: f64,
 }

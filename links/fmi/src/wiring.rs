@@ -5,16 +5,10 @@ use crate::description::{Description, Variable};
 use crate::measure::{ACCELERATION, Measure, dimension_name};
 use crate::quantity::{Flow, Quantity};
 
-/// A variable with the number that timegap's value is in it.
-#[derive(Clone, Debug)]
-pub struct Wire {
-    pub variable: Variable,
-    pub measure: Measure,
-}
-
 /// All wires of a unit.
 pub struct Wiring<Q: 'static, A: 'static> {
-    pub wires: Vec<(&'static Quantity<Q, A>, Wire)>,
+    /// Quantities with the variables that have them, and with the measures of these.
+    pub wires: Vec<(&'static Quantity<Q, A>, Variable, Measure)>,
     /// Values that the user gives to variables before the unit initialises.
     pub starts: Vec<(Variable, f64)>,
     /// Inputs of the unit that keep their start.
@@ -108,7 +102,7 @@ impl<Q, A> Wiring<Q, A> {
                 return Err(UnitError::new(unit, fault, expected));
             }
             let measure = measure(unit, quantity, variable)?;
-            wires.push((quantity, Wire { variable: variable.clone(), measure }));
+            wires.push((quantity, variable.clone(), measure));
         }
         let starts = words
             .starts
@@ -150,11 +144,11 @@ impl<Q, A> Wiring<Q, A> {
 
     /// True if a variable has this quantity.
     pub fn has(&self, key: &str) -> bool {
-        self.wires.iter().any(|(quantity, _)| quantity.key == key)
+        self.wires.iter().any(|(quantity, ..)| quantity.key == key)
     }
 
     fn is_free(&self, variable: &Variable) -> bool {
-        self.wires.iter().all(|(_, wire)| wire.variable.name != variable.name)
+        self.wires.iter().all(|(_, wired, _)| wired.name != variable.name)
     }
 
     /// Wires the variable whose name and measure are a quantity's, if there is one.
@@ -170,10 +164,10 @@ impl<Q, A> Wiring<Q, A> {
         let ranked = ranked.filter_map(|variable| {
             let rank = rank(quantity, variable)?;
             let measure = measure("", quantity, variable).ok()?;
-            Some((rank, Wire { variable: variable.clone(), measure }))
+            Some((rank, variable, measure))
         });
-        if let Some((_, wire)) = ranked.min_by_key(|(rank, _)| *rank) {
-            self.wires.push((quantity, wire));
+        if let Some((_, variable, measure)) = ranked.min_by_key(|(rank, ..)| *rank) {
+            self.wires.push((quantity, variable.clone(), measure));
         }
     }
 
@@ -193,7 +187,7 @@ impl<Q, A> Wiring<Q, A> {
             && self.is_free(variable)
             && let Ok(measure) = measure("", request, variable)
         {
-            self.wires.push((request, Wire { variable: variable.clone(), measure }));
+            self.wires.push((request, variable.clone(), measure));
         }
     }
 }
@@ -242,10 +236,10 @@ fn measure<Q, A>(
             let fault = format!("the unit `{word}` of `{name}` is not defined");
             Err(UnitError::new(unit, fault, format!("{expected}, or a `BaseUnit` for it")))
         }
-        _ => match bare(name).2.filter(|measure| measure.dimension == quantity.dimension) {
-            Some(measure) => Ok(measure),
-            None => Ok(Measure::si(quantity.dimension)),
-        },
+        _ => {
+            let ends = bare(name).2.filter(|measure| measure.dimension == quantity.dimension);
+            Ok(ends.unwrap_or(Measure::si(quantity.dimension)))
+        }
     }
 }
 

@@ -10,8 +10,8 @@ use crate::wire::{Answer, Body, MOST_BYTES, Value};
 
 /// Least version of TraCI: that of SUMO 1.20.
 const VERSION: i32 = 21;
-/// Beginning and end of a subscription: the whole run.
-const ALWAYS: [f64; 2] = [-1_073_741_824.0, 1_073_741_824.0];
+/// A subscription from before this time to this time lasts for the whole run, s.
+const ALWAYS_S: f64 = 1_073_741_824.0;
 
 /// Variables of a vehicle that a step brings.
 const VEHICLE: [u8; 6] = [0x42, 0x40, 0x43, 0x72, 0x44, 0x4d];
@@ -233,8 +233,8 @@ impl Client {
 
     /// Subscribes to variables for the whole run.
     fn subscribe(&mut self, id: u8, to: impl Fn(Body) -> Body, variables: &[u8]) -> Done<()> {
-        let [begin, end] = ALWAYS;
-        let mut body = to(Body::default().number(begin).number(end)).byte(variables.len() as u8);
+        let body = to(Body::default().number(-ALWAYS_S).number(ALWAYS_S));
+        let mut body = body.byte(variables.len() as u8);
         body.0.extend(variables);
         self.ask(id, "a subscription", body, "at its start").map(|_| ())
     }

@@ -82,10 +82,8 @@ fn of_element(element: &Element, source: &Source, net: &Net) -> Result<Vec<Strin
         let expected = "edges, a route, or from and to";
         return Err(source.refuse(element, "this way of the ego has no edges", expected));
     };
-    let mut stops = vec![from.to_owned()];
-    stops.extend(words(element.attribute("via").unwrap_or_default()));
-    stops.push(to.to_owned());
-    quickest(net, &stops)
+    let via = element.attribute("via").unwrap_or_default();
+    quickest(net, &words(&format!("{from} {via} {to}")))
 }
 
 /// The quickest way over these edges, by the speed limits.

@@ -12,11 +12,9 @@ const MOST: usize = 8;
 /// A colour for a movement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colour {
-    /// Go.
     Green,
     /// Stop if that is comfortable.
     Yellow,
-    /// Stop.
     Red,
     /// Off, or blinking: the junction's signs hold.
     Dark,
@@ -37,7 +35,6 @@ impl Colour {
 /// An interval of one colour, with its end in s of the run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Its colour.
     pub colour: Colour,
     /// Earliest, likely and latest end, s of the run.
     pub ends_s: [f64; 3],

@@ -31,7 +31,6 @@ const APART_M: f64 = 0.1;
 pub struct Limit {
     /// Place on the axis, m.
     pub from_m: f64,
-    /// The limit, m/s.
     pub speed_mps: f64,
 }
 
@@ -125,12 +124,11 @@ pub fn read_route(file: &File, ego: &str, length_m: f64) -> Result<Route, ReadEr
     let (pieces, start) = cut(&smooth.pieces, &whole, depart_m, end_m);
     let start = start.placed(&smooth.start);
     let place = |way_m: f64| smooth.place_m(way_m) - depart_m;
-    let mut notes: Vec<String> = (path.yields_m.iter())
-        .map(|way_m| {
-            let at_m = place(*way_m);
-            format!("the ego does not give way: at {at_m:.0} m a junction without lights gives others the right of way")
-        })
-        .collect();
+    let gives_way = |way_m: &f64| {
+        let junction = format!("at {:.0} m a junction without lights", place(*way_m));
+        format!("the ego does not give way: {junction} gives others the right of way")
+    };
+    let notes = path.yields_m.iter().take(4).map(gives_way).collect();
     let mut lights: Vec<Light> = Vec::new();
     for light in path.lights {
         let stop_line_m = place(light.stop_line_m);
@@ -140,7 +138,6 @@ pub fn read_route(file: &File, ego: &str, length_m: f64) -> Result<Route, ReadEr
         }
         lights.push(Light { stop_line_m, ..light });
     }
-    notes.truncate(4);
     let mut limits: Vec<Limit> = Vec::new();
     for stretch in &path.stretches {
         let (from_m, speed_mps) = (place(stretch.from_m), stretch.speed_mps);

@@ -32,15 +32,10 @@ impl Smooth {
     /// The chain along points. Two neighbours are never the same point.
     pub fn of(points: &[[f64; 2]]) -> Self {
         let (ways, even) = evenly(points);
-        let is_wide = |smooth: &Self| {
-            let mut pieces = smooth.pieces.iter();
-            pieces.all(|piece| match piece {
-                Piece::Arc { curvature_perm, .. } => curvature_perm.abs() <= WIDE_PERM,
-                _ => true,
-            })
-        };
+        let is_narrow = |piece: &Piece| matches!(piece, Piece::Arc { curvature_perm: c, .. } if c.abs() > WIDE_PERM);
         let with = |beside| Self::through(&averaged(&even, beside), &ways);
-        let found = BESIDE.into_iter().map(with).find(is_wide);
+        let found =
+            BESIDE.into_iter().map(with).find(|smooth| !smooth.pieces.iter().any(is_narrow));
         found.unwrap_or_else(|| with(BESIDE[BESIDE.len() - 1]))
     }
 
@@ -50,12 +45,9 @@ impl Smooth {
         let (mut pieces, mut places) = (Vec::new(), vec![[0.0, 0.0]]);
         let (mut length_m, mut cut_m) = (0.0, 0.0);
         let line = |way_m: f64, pieces: &mut Vec<Piece>| {
-            if way_m > SHORTEST_M {
-                pieces.push(Piece::Line { length_m: way_m });
-                way_m
-            } else {
-                0.0
-            }
+            let length_m = if way_m > SHORTEST_M { way_m } else { 0.0 };
+            pieces.extend((length_m > 0.0).then_some(Piece::Line { length_m }));
+            length_m
         };
         for (place, pair) in kept.windows(2).enumerate() {
             let (from, to) = (means[pair[0]], means[pair[1]]);

@@ -61,7 +61,6 @@ pub struct Ego {
     pub pose: Pose,
     /// Place of the front bumper on the axis, m.
     pub place_m: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
 }
 
@@ -82,9 +81,7 @@ pub struct Body {
     pub across_mps: f64,
     /// Acceleration along the axis, m/s².
     pub acceleration_mps2: f64,
-    /// Length, m.
     pub length_m: f64,
-    /// Width, m.
     pub width_m: f64,
 }
 
@@ -152,8 +149,7 @@ impl World {
         }
         let known = client.vehicles()?;
         let names = std::iter::once("ego".to_owned()).chain((0..).map(|n| format!("timegap-{n}")));
-        let mut names = names.filter(|name| !known.contains(name));
-        let ego = names.next().expect("there are names without end");
+        let ego = names.into_iter().find(|name| !known.contains(name)).expect("they never end");
         let start = (route.lane, route.depart_m, settings.speed_mps);
         client.add(&ego, &route.edges, start, settings.ego_m)?;
         let waits_from_s = time_s;
