@@ -94,10 +94,7 @@ impl Copy {
 const STRUCT: &str = r#"
 layout! {
     /// Position of the ego, as a probe receives it.
-    #[type_name("timegap_msgs/msg/Probe")]
-    pub struct Probe {
-        /// Common header.
-        pub header: Header,
+    pub message Probe "timegap_msgs/msg/Probe" {
         /// Position, m.
         pub position_m: f64,
     }

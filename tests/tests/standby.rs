@@ -3,7 +3,7 @@
 use messages::Command;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use runtime::{Group, Observer};
+use runtime::{Group, Guest};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::time::{Duration, Instant};
@@ -219,7 +219,7 @@ fn controllers(group: &Group) -> Vec<i32> {
 
 /// A consumer of commands like the plant: it reads what end-to-end check and epoch accept.
 struct Listener {
-    observer: Observer,
+    observer: Guest,
     commands: runtime::Subscriber<Command>,
     heard: u64,
     newest: u32,
@@ -227,8 +227,8 @@ struct Listener {
 
 impl Listener {
     fn join(group: &Group) -> Self {
-        let observer = Observer::join(group, "listener").expect("same user");
-        let commands = observer.listen().expect("there is room");
+        let observer = Guest::join(group, "listener").expect("same user");
+        let commands = observer.subscriber().expect("there is room");
         Self { observer, commands, heard: 0, newest: 0 }
     }
 

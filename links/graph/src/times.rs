@@ -28,21 +28,20 @@ impl Page {
 
     /// Counts the messages that help to release a node.
     pub fn wake(&self, node: usize) -> &AtomicU32 {
-        self.0.word(NODE * node)
+        &self.0[NODE * node]
     }
 
     /// Incarnation of the one process of a node that may send.
     pub fn epoch(&self, node: usize) -> &AtomicU32 {
-        self.0.word(NODE * node + 1)
+        &self.0[NODE * node + 1]
     }
 
     /// Notes that a chain reacts to the sample acquired at `acquired_ns`; false if it did before, in whatever process.
     fn reacts(&self, chain: usize, acquired_ns: i64) -> bool {
         let new = [(acquired_ns >> 32) as u32, acquired_ns as u32];
         // One process at a time ends a chain.
-        let was = [0, 1].map(|half| {
-            self.0.word(NODE * MOST + 2 * chain + half).swap(new[half], Ordering::Relaxed)
-        });
+        let was = [0, 1]
+            .map(|half| self.0[NODE * MOST + 2 * chain + half].swap(new[half], Ordering::Relaxed));
         was != new
     }
 }

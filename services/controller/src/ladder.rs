@@ -192,7 +192,7 @@ impl Ladder {
         let unseen_s = self.remembered_s.map_or(0.0, |then_s| input.time_s - then_s);
         if self.radar_is_fresh {
             self.remembered_s = Some(input.time_s);
-            input.target = self.memory.see(input, radar.map_or(&[], RadarTracks::listed));
+            input.target = self.memory.see(input, radar.map_or(&[], RadarTracks::tracks));
             self.enter_if(self.memory.is_missed(), Level::LeadPredicted);
         } else if unseen_s > self.stale_radar_s + PREDICT_S {
             // Radar came while the ego's motion was not known: it was of no use then.

@@ -109,14 +109,14 @@ fn powertrain_at(powertrain: &Powertrain, samples: &Samples<'_>, time_s: f64) ->
 }
 
 fn preview(preview: &Preview) -> law::Preview {
-    let count = usize::try_from(preview.count).map_or(0, |count| count.min(preview.grades.len()));
+    let grades = preview.grades();
     let mut ahead = law::Preview {
         start_m: preview.first_cell_m,
         cell_m: preview.cell_m,
-        count,
+        count: grades.len(),
         ..law::Preview::default()
     };
-    ahead.grades[..count].copy_from_slice(&preview.grades[..count]);
+    ahead.grades[..grades.len()].copy_from_slice(grades);
     ahead
 }
 
@@ -134,7 +134,7 @@ fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
 fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
     let target = &radar.target;
     let age_s = age_s(radar.header.acquisition_ns, time_s);
-    let measured = radar.listed().iter().find(|track| raw && track.in_path != 0);
+    let measured = radar.tracks().iter().find(|track| raw && track.in_path != 0);
     let (gap_m, relative_speed_mps) = measured
         .map_or((target.gap_m, target.relative_speed_mps), |track| {
             (track.range_m, track.range_rate_mps)
@@ -158,15 +158,14 @@ fn signals_ahead(
 ) -> [Option<SignalAhead>; MAX_SIGNALS] {
     let mut ahead = [None; MAX_SIGNALS];
     let Some(map) = samples.map else { return ahead };
-    let count = usize::try_from(map.count).map_or(0, |count| count.min(map.lanes.len()));
-    let near = map.lanes[..count]
+    let near = map
+        .lanes()
         .iter()
         .filter(|lane| lane.stop_line_m - ego.position_m > -PASSED_M)
         .take(MAX_SIGNALS);
     for (place, lane) in ahead.iter_mut().zip(near) {
         let timing = samples.spat.and_then(|spat| {
-            let count = usize::try_from(spat.count).map_or(0, |n| n.min(spat.signals.len()));
-            spat.signals[..count].iter().find(|signal| {
+            spat.signals().iter().find(|signal| {
                 (signal.intersection_id, signal.signal_group)
                     == (lane.intersection_id, lane.signal_group)
             })
@@ -194,12 +193,9 @@ fn announce(
     time_s: f64,
     signal: &mut SignalAhead,
 ) {
-    let count = match trust {
-        SignalTrust::None => 0,
-        _ => usize::try_from(timing.count).map_or(0, |n| n.min(timing.intervals.len())),
-    };
+    let known = if trust == SignalTrust::None { &[][..] } else { timing.intervals() };
     let mut certain = true;
-    for interval in &timing.intervals[..count] {
+    for interval in known {
         if !certain || signal.count == MAX_PHASES {
             break;
         }

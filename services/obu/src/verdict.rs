@@ -66,8 +66,14 @@ impl From<&DecodeError> for Verdict {
     }
 }
 
-#[derive(Debug, Default)]
-pub struct Verdicts([Count; Verdict::ALL.len()]);
+#[derive(Debug)]
+pub struct Verdicts(Vec<Count>);
+
+impl Default for Verdicts {
+    fn default() -> Self {
+        Self::open(&Figures::default()).expect("memory of its own has room")
+    }
+}
 
 impl Verdicts {
     /// The counts in `figures`: zero before the run.
@@ -75,11 +81,8 @@ impl Verdicts {
     /// # Errors
     /// [`RuntimeError::Setup`] if shared memory has no room.
     pub fn open(figures: &Figures) -> Result<Self, RuntimeError> {
-        let mut all = Self::default();
-        for (count, (_, name)) in all.0.iter_mut().zip(Verdict::ALL) {
-            *count = figures.count(name)?;
-        }
-        Ok(all)
+        let counts = Verdict::ALL.iter().map(|(_, name)| figures.count(name));
+        counts.collect::<Result<_, _>>().map(Self)
     }
 
     pub fn count(&mut self, verdict: Verdict) {

@@ -113,9 +113,8 @@ impl PlanePorts {
     /// The map ahead of an ego by its odometry.
     pub(crate) fn map(&self, told: Option<Ego>) -> Option<MapAhead<'_>> {
         let (curves, told) = (self.curves.newest()?, told?);
-        let count = (curves.count as usize).min(curves.curvatures.len());
         Some(MapAhead {
-            curvatures_perm: &curves.curvatures[..count],
+            curvatures_perm: curves.curvatures(),
             first_m: curves.first_cell_m + 0.5 * curves.cell_m - told.position_m,
             cell_m: curves.cell_m,
         })

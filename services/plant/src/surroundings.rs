@@ -77,7 +77,9 @@ impl Surroundings {
             }
             self.cut_in = self.cuts_in(state, now, elapsed_ns as f64 / 1e9);
         }
-        self.last.clone_from(now);
+        self.last.header = now.header;
+        // It keeps its room: a loop does not allocate.
+        self.last.vehicles.clone_from(&now.vehicles);
         self.has_last = true;
     }
 
@@ -100,9 +102,7 @@ impl Surroundings {
 fn next_line(truth: &SignalTruth, position_m: f64, time_s: f64) -> Option<(f64, u32)> {
     let ahead = shown(truth).filter(|(lane, _)| lane.stop_line_m > position_m);
     ahead.min_by(|a, b| a.0.stop_line_m.total_cmp(&b.0.stop_line_m)).map(|(lane, signal)| {
-        let intervals = &signal.intervals
-            [..usize::try_from(signal.count).map_or(0, |n| n.min(signal.intervals.len()))];
-        let shown = intervals.iter().find(|interval| interval.likely_end_s > time_s);
+        let shown = signal.intervals().iter().find(|interval| interval.likely_end_s > time_s);
         let state = shown.map_or(PhaseState::StopAndRemain.to_wire(), |interval| interval.state);
         (lane.stop_line_m - position_m, state)
     })

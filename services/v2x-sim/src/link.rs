@@ -7,6 +7,7 @@ use messages::{Header, MAX_FRAMES, Origin, RadioFrame, RadioFrames, RadioSent};
 use radio::{Carrier, ClockDifference, Frame, Role};
 use runtime::{Publisher, Runtime, RuntimeError, Subscriber};
 use scenario::carrier::CarrierAddress;
+use std::io;
 
 /// The vehicle's end of a carrier.
 pub(crate) struct Link {
@@ -41,7 +42,7 @@ impl Link {
         period_ns: i64,
     ) -> Result<Self, RuntimeError> {
         let carrier = Carrier::open(address, Role::Vehicle)
-            .map_err(|error| RuntimeError::Radio(Box::new(error)))?;
+            .map_err(|error| RuntimeError::Setup("radio".into(), io::Error::other(error)))?;
         Ok(Self {
             carrier,
             frames: runtime.publisher()?,

@@ -73,8 +73,7 @@ impl RoadsideUnit {
 /// Signals of another simulator that are up to `range_m` ahead of the ego, and those just passed.
 pub fn near(lights: &Lights, ego_position_m: f64, range_m: f64) -> SignalTruth {
     let mut near = SignalTruth::zeroed();
-    let count = usize::try_from(lights.count).map_or(0, |count| count.min(MAX_SIGNALS));
-    for (lane, signal) in lights.lanes.iter().zip(&lights.signals).take(count) {
+    for (lane, signal) in lights.lanes().iter().zip(lights.signals()) {
         if (-NUMBERS.passed_m..=range_m).contains(&(lane.stop_line_m - ego_position_m)) {
             let slot = near.count as usize;
             (near.lanes[slot], near.signals[slot]) = (*lane, *signal);
@@ -122,7 +121,7 @@ mod tests {
     }
 
     fn pairs(signals: &SignalTruth) -> impl Iterator<Item = (&Lane, &Signal)> {
-        signals.lanes.iter().zip(&signals.signals).take(signals.count as usize)
+        signals.lanes().iter().zip(signals.signals())
     }
 
     fn ids(signals: &SignalTruth) -> Vec<u32> {
@@ -170,7 +169,7 @@ mod tests {
             let now_ns = k * 100_000_000;
             for (_, movement) in pairs(&unit.truth(&UnitClock::OWN, now_ns, 0.0)) {
                 let mut from_s = now_ns as f64 / 1e9;
-                for interval in &movement.intervals[..movement.count as usize] {
+                for interval in movement.intervals() {
                     let end_s = interval.likely_end_s;
                     assert!(end_s.is_finite(), "these programs repeat");
                     assert!(end_s > from_s);

@@ -1,6 +1,5 @@
 //! Request of the emergency brake to the vehicle.
 
-use super::Header;
 use crate::layout::declare::*;
 use crate::numbered::numbered;
 
@@ -31,10 +30,7 @@ impl BrakeState {
 
 layout! {
     /// Request of the emergency brake, sent in each of its cycles.
-    #[type_name("timegap_msgs/msg/Brake")]
-    pub struct Brake {
-        /// Common header; its acquisition time is that of the release.
-        pub header: Header,
+    pub message Brake "timegap_msgs/msg/Brake" {
         /// Scheduled release of the radar's cycle that published the detections, ns of run time; −1
         /// without any.
         pub radar_release_ns: i64,

@@ -1,6 +1,5 @@
 //! Request of the controller to the vehicle, and its reasons.
 
-use super::Header;
 use crate::layout::declare::*;
 
 /// Requests that a command can carry.
@@ -11,10 +10,7 @@ pub const FIGURES: usize = 8;
 layout! {
     /// The controller's request with its whole plan: the plant has a valid future to follow when the
     /// controller dies.
-    #[type_name("timegap_msgs/msg/Command")]
-    pub struct Command {
-        /// Common header; its acquisition time is that of the release.
-        pub header: Header,
+    pub message Command "timegap_msgs/msg/Command" {
         /// Scheduled release of the radar's cycle that published the radar sample, ns of run time; −1
         /// without a sample.
         pub radar_release_ns: i64,
@@ -50,14 +46,9 @@ layout! {
         /// Requested force of the service brakes beside the torque, N.
         pub service_brake_n: f64,
     }
-}
 
-layout! {
     /// State and decisions of the controller in one cycle. It is sent in every cycle, also in one without a command.
-    #[type_name("timegap_msgs/msg/Diagnostics")]
-    pub struct Diagnostics {
-        /// Common header, as of the command of the same cycle.
-        pub header: Header,
+    pub message Diagnostics "timegap_msgs/msg/Diagnostics" {
         /// Time when the cycle began to work on its inputs, ns of run time.
         pub start_ns: i64,
         /// Mode of the law, an index into its mode names.

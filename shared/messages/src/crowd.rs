@@ -14,32 +14,21 @@ pub const MORE_VEHICLES: usize = MAX_VEHICLES - MAX_TRACKS;
 
 layout! {
     /// The vehicles for which `truth/vehicles` of the same step has no room.
-    #[type_name("timegap_msgs/msg/MoreVehicles")]
-    pub struct MoreVehicles {
-        /// Common header.
-        pub header: Header,
+    pub message MoreVehicles "timegap_msgs/msg/MoreVehicles" lists vehicles: VehicleTruthItem {
         /// Valid entries of `vehicles`.
         pub count: u64,
         /// The vehicles that follow in the scenario's order; unused entries are 0.
         pub vehicles: [VehicleTruthItem; MORE_VEHICLES],
     }
-}
 
-layout! {
     /// The bodies for which `truth/poses` of the same step has no room.
-    #[type_name("timegap_msgs/msg/MorePoses")]
-    pub struct MorePoses {
-        /// Common header.
-        pub header: Header,
+    pub message MorePoses "timegap_msgs/msg/MorePoses" lists poses: VehiclePose {
         /// Valid entries of `poses`.
         pub count: u64,
         /// The bodies that follow in the order of the vehicles; unused entries are 0.
         pub poses: [VehiclePose; MORE_VEHICLES],
     }
 }
-
-listed! { MoreVehicles.listed: vehicles, VehicleTruthItem }
-listed! { MorePoses.listed: poses, VehiclePose }
 
 /// All vehicles beside the ego at one step, from one message or two.
 ///
@@ -56,7 +45,7 @@ listed! { MorePoses.listed: poses, VehiclePose }
 /// first.header.step = 5;
 /// assert!(!all.take(&first, Some(&more)));
 /// ```
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AllVehicles {
     /// Header of the first message.
     pub header: Header,
@@ -74,7 +63,7 @@ impl AllVehicles {
 
     /// The vehicles of a step that has one message.
     pub fn of(first: &VehicleTruth) -> Self {
-        let mut all = Self::with_room(first.listed().len());
+        let mut all = Self::with_room(first.vehicles().len());
         all.take(first, None);
         all
     }
@@ -86,8 +75,8 @@ impl AllVehicles {
         }
         (self.header, self.ended) = (first.header, first.ended != 0);
         self.vehicles.clear();
-        self.vehicles.extend_from_slice(first.listed());
-        self.vehicles.extend_from_slice(more.map_or(&[], MoreVehicles::listed));
+        self.vehicles.extend_from_slice(first.vehicles());
+        self.vehicles.extend_from_slice(more.map_or(&[], MoreVehicles::vehicles));
         true
     }
 
@@ -103,23 +92,11 @@ impl AllVehicles {
     }
 }
 
-impl Clone for AllVehicles {
-    fn clone(&self) -> Self {
-        Self { header: self.header, ended: self.ended, vehicles: self.vehicles.clone() }
-    }
-
-    /// Keeps its room: a loop does not allocate.
-    fn clone_from(&mut self, source: &Self) {
-        (self.header, self.ended) = (source.header, source.ended);
-        self.vehicles.clone_from(&source.vehicles);
-    }
-}
-
 /// All bodies of a step, from one message or two; `None` if they are of different steps.
 pub fn all_poses<'a>(
     first: &'a VehiclePoses,
     more: Option<&'a MorePoses>,
 ) -> Option<impl Iterator<Item = &'a VehiclePose>> {
     let is_one = more.is_none_or(|more| more.header.step == first.header.step);
-    is_one.then(|| first.listed().iter().chain(more.map_or(&[][..], MorePoses::listed)))
+    is_one.then(|| first.poses().iter().chain(more.map_or(&[][..], MorePoses::poses)))
 }

@@ -10,8 +10,7 @@ layout! {
     /// All stamps are run time: nanoseconds since the group's common start instant, the same in every
     /// process. An input that was not there has `sequence` 0 and stamps of −1.
     #[derive(Eq, Hash, Serialize, Deserialize)]
-    #[type_name("timegap_msgs/msg/Origin")]
-    pub struct Origin {
+    pub struct Origin "timegap_msgs/msg/Origin" {
         /// Sequence number of the sample, counted from 1.
         pub sequence: u64,
         /// Time when the world was as the sample says, ns of run time.
@@ -53,8 +52,7 @@ layout! {
     /// Stamps of the inputs of a message, one place per sensor topic. So a command alone shows its whole
     /// cause-effect chain.
     #[derive(Eq)]
-    #[type_name("timegap_msgs/msg/Origins")]
-    pub struct Origins {
+    pub struct Origins "timegap_msgs/msg/Origins" {
         /// The `vehicle/odometry` sample.
         pub odometry: Origin,
         /// The `radar/tracks` sample.
@@ -85,8 +83,7 @@ impl Origins {
 layout! {
     /// Beginning of every message.
     #[derive(Eq)]
-    #[type_name("timegap_msgs/msg/Header")]
-    pub struct Header {
+    pub struct Header "timegap_msgs/msg/Header" {
         /// End-to-end protection of the message.
         pub protection: Protection,
         /// Number of this message on its topic from its source, counted from 1 in each incarnation.

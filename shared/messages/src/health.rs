@@ -1,6 +1,5 @@
 //! Signs of life.
 
-use super::Header;
 use crate::layout::declare::*;
 use crate::numbered::numbered;
 
@@ -17,10 +16,7 @@ numbered! {
 layout! {
     /// Periodic sign of life of a service.
     #[derive(Eq)]
-    #[type_name("timegap_msgs/msg/Heartbeat")]
-    pub struct Heartbeat {
-        /// Common header; its source is the service.
-        pub header: Header,
+    pub message Heartbeat "timegap_msgs/msg/Heartbeat" {
         /// Cycles done so far.
         pub cycles: u64,
         /// [`ServiceState`] as a number.

@@ -20,19 +20,15 @@ pub const LAW_FIGURES: usize = 8;
 
 layout! {
     /// One announced interval of a signal.
-    #[type_name("timegap_msgs/msg/LawInterval")]
-    pub struct LawInterval {
+    pub struct LawInterval "timegap_msgs/msg/LawInterval" {
         /// Phase: 0 unknown (never to be treated as green), 1 green, 2 yellow, 3 red.
         pub phase: u64,
         /// Time from the release until the interval ends, s.
         pub ends_in_s: f64,
     }
-}
 
-layout! {
     /// A signal ahead on the ego's lane.
-    #[type_name("timegap_msgs/msg/LawSignal")]
-    pub struct LawSignal {
+    pub struct LawSignal "timegap_msgs/msg/LawSignal" {
         /// Intersection id times 256 plus signal group id.
         pub id: u64,
         /// Distance from the ego's front bumper to the stop line, m; negative once it is passed.
@@ -42,12 +38,9 @@ layout! {
         /// The current interval and those that follow.
         pub intervals: [LawInterval; LAW_INTERVALS],
     }
-}
 
-layout! {
     /// Question to a law at one release. The first 13 fields never move.
-    #[type_name("timegap_msgs/msg/LawInput")]
-    pub struct LawInput {
+    pub struct LawInput "timegap_msgs/msg/LawInput" {
         /// Number of the question; the answer carries it back.
         pub sequence: u64,
         /// 1 if the law must clear its history before it answers.
@@ -101,12 +94,9 @@ layout! {
         /// Mean grade of each cell, rise over run.
         pub cell_grades: [f64; LAW_CELLS],
     }
-}
 
-layout! {
     /// Answer of a law. A 0 behind the request leaves the value to the default.
-    #[type_name("timegap_msgs/msg/LawAnswer")]
-    pub struct LawAnswer {
+    pub struct LawAnswer "timegap_msgs/msg/LawAnswer" {
         /// Number of the question.
         pub sequence: u64,
         /// Requested acceleration, m/s²; bounded by `controller.min_request_mps2` and `max_request_mps2`.

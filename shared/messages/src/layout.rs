@@ -90,7 +90,6 @@ pub struct Field {
 }
 
 impl Field {
-    /// Meaning of the field, in one line.
     pub fn meaning(&self) -> String {
         self.comment.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ")
     }
@@ -114,7 +113,6 @@ pub trait Laid: ZeroCopySend {
     const LAYOUT: &'static Layout;
 }
 
-/// A type that a field can have.
 pub trait FieldType {
     const SHAPE: Shape;
 }
@@ -193,23 +191,42 @@ impl Layout {
     }
 }
 
-/// Declares a struct of fixed layout; `#[derive(..)]` names traits beside those that each one has.
+/// Declares structs of fixed layout, each with its name on the wire: `pub struct Name "wire" { fields }`. A `message`
+/// begins with the header. `lists entries: Entry` names an array of which `count` entries are valid, and makes the
+/// reader that has the array's name.
 macro_rules! layout {
-    (
-        $(#[doc = $about:literal])*
-        $(#[derive($($also:ident),*)])?
-        #[type_name($type_name:literal)]
-        pub struct $type:ident {
-            $($(#[doc = $comment:literal])* pub $field:ident: $of:ty,)*
+    () => {};
+    ($(#[$about:meta])* pub message $type:ident $type_name:literal
+        $(lists $($entries:ident: $entry:ty),+)? { $($fields:tt)* } $($rest:tt)*) => {
+        layout! {
+            $(#[$about])*
+            pub struct $type $type_name $(lists $($entries: $entry),+)? {
+                /// Common header.
+                pub header: crate::Header,
+                $($fields)*
+            }
+            $($rest)*
         }
-    ) => {
-        $(#[doc = $about])*
+    };
+    ($(#[$about:meta])* pub struct $type:ident $type_name:literal
+        $(lists $($entries:ident: $entry:ty),+)? {
+        $($(#[doc = $comment:literal])* pub $field:ident: $of:ty,)*
+    } $($rest:tt)*) => {
+        $(#[$about])*
         #[repr(C)]
-        #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend $(, $($also),*)?)]
+        #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
         #[type_name($type_name)]
         pub struct $type {
             $($(#[doc = $comment])* pub $field: $of,)*
         }
+
+        $(impl $type {
+            $(#[doc = concat!("The valid entries of `", stringify!($entries), "`.")]
+            pub fn $entries(&self) -> &[$entry] {
+                let count = usize::try_from(self.count).unwrap_or(usize::MAX);
+                &self.$entries[..count.min(self.$entries.len())]
+            })+
+        })?
 
         impl crate::Laid for $type {
             const LAYOUT: &'static crate::Layout = &crate::Layout {
@@ -226,32 +243,19 @@ macro_rules! layout {
         }
 
         const _: () = <$type as crate::Laid>::LAYOUT.check();
+
+        layout! { $($rest)* }
     };
 }
 
 /// Names that a file with [`layout!`](self) needs.
-/// Declares the reader of a message's list, whose `count` says how many entries are valid.
-macro_rules! listed {
-    ($message:ident.$reader:ident: $entries:ident, $entry:ty) => {
-        impl $message {
-            #[doc = concat!("The valid entries of `", stringify!($entries), "`.")]
-            pub fn $reader(&self) -> &[$entry] {
-                let count = usize::try_from(self.count).unwrap_or(usize::MAX);
-                &self.$entries[..count.min(self.$entries.len())]
-            }
-        }
-    };
-}
-
 pub(crate) mod declare {
     pub(crate) use super::layout;
-    pub(crate) use super::listed;
     pub(crate) use bytemuck::{Pod, Zeroable};
     pub(crate) use iceoryx2_bb_derive_macros::ZeroCopySend;
     pub(crate) use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 }
 pub(crate) use layout;
-pub(crate) use listed;
 
 #[cfg(test)]
 mod tests {

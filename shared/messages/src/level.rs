@@ -63,7 +63,6 @@ numbered! {
 /// Changes that are kept; the time on each level is counted on.
 const MAX_CHANGES: usize = 1024;
 
-/// A way from one level to another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelChange {
     /// Run time, s.
@@ -77,7 +76,6 @@ pub struct LevelChange {
 pub struct Levels {
     /// Time on each level that was entered, s.
     pub time_s: BTreeMap<String, f64>,
-    /// All changes, in order.
     pub changes: Vec<LevelChange>,
 }
 
@@ -107,7 +105,6 @@ impl LevelLog {
         (self.last_s, self.now) = (time_s, level);
     }
 
-    /// Notes the level at `time_s`.
     pub fn observe(&mut self, time_s: f64, level: Level) {
         self.time_s[self.now as usize] += (time_s - self.last_s).max(0.0);
         self.last_s = time_s;

@@ -10,7 +10,6 @@ pub struct Enumeration {
     pub name: &'static str,
     /// The fields that hold it: struct and field.
     pub fields: &'static [(&'static str, &'static str)],
-    /// Numbers and names.
     pub values: &'static [(u32, &'static str)],
 }
 

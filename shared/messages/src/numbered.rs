@@ -18,7 +18,6 @@ macro_rules! numbered {
             /// All values, in the order of their numbers.
             pub const ALL: [Self; [$($number),+].len()] = [$(Self::$variant),+];
 
-            /// Numbers and names of all values.
             pub(crate) const NAMES: &'static [(u32, &'static str)] = &[$(($number, $name)),+];
 
             /// Name in results.

@@ -1,6 +1,5 @@
 //! Measurements of the radar, and the ground truth.
 
-use super::Header;
 use crate::layout::declare::*;
 
 /// Most tracks that a message carries, and most vehicles and poses of the first message of a step.
@@ -8,8 +7,7 @@ pub const MAX_TRACKS: usize = 8;
 
 layout! {
     /// One raw radar track.
-    #[type_name("timegap_msgs/msg/Track")]
-    pub struct Track {
+    pub struct Track "timegap_msgs/msg/Track" {
         /// Identity of the track.
         pub id: u32,
         /// 1 if the track was selected as the in-path target.
@@ -21,12 +19,9 @@ layout! {
         /// Azimuth, rad, positive to the left.
         pub azimuth_rad: f64,
     }
-}
 
-layout! {
     /// The in-path target after tracking.
-    #[type_name("timegap_msgs/msg/TrackedTarget")]
-    pub struct TrackedTarget {
+    pub struct TrackedTarget "timegap_msgs/msg/TrackedTarget" {
         /// 1 if there is a target; all other fields are 0 otherwise.
         pub valid: u32,
         /// Identity of the track: a new number means a new vehicle.
@@ -38,14 +33,9 @@ layout! {
         /// Absolute acceleration of the target, m/s².
         pub acceleration_mps2: f64,
     }
-}
 
-layout! {
     /// Output of the radar and its tracker.
-    #[type_name("timegap_msgs/msg/RadarTracks")]
-    pub struct RadarTracks {
-        /// Common header.
-        pub header: Header,
+    pub message RadarTracks "timegap_msgs/msg/RadarTracks" lists tracks: Track {
         /// The selected and filtered in-path target.
         pub target: TrackedTarget,
         /// Valid entries of `tracks`.
@@ -92,8 +82,6 @@ impl Sight {
     }
 }
 
-listed! { RadarTracks.listed: tracks, Track }
-
 impl RadarTracks {
     pub fn sight(&self) -> Sight {
         Sight::of_share(self.seen_share)
@@ -110,8 +98,7 @@ pub const MAX_DETECTIONS: usize = 1024;
 
 layout! {
     /// One detection of the radar.
-    #[type_name("timegap_msgs/msg/Detection")]
-    pub struct Detection {
+    pub struct Detection "timegap_msgs/msg/Detection" {
         /// Range, m.
         pub range_m: f64,
         /// Range rate, m/s, negative when closing.
@@ -128,15 +115,10 @@ layout! {
         /// not ambiguous.
         pub ambiguity_group: u32,
     }
-}
 
-layout! {
     /// Output of the radar's receiver in one scan: several detections for some vehicles, and none for others. Empty
     /// when the radar's model has no detections. The header's acquisition time is that of the scan.
-    #[type_name("timegap_msgs/msg/RadarDetections")]
-    pub struct RadarDetections {
-        /// Common header.
-        pub header: Header,
+    pub message RadarDetections "timegap_msgs/msg/RadarDetections" lists detections: Detection {
         /// Speed of the ego at the scan, m/s. It is the radar's own measurement by standing objects if odometry is
         /// missing or contradicts it.
         pub ego_speed_mps: f64,
@@ -147,14 +129,9 @@ layout! {
         /// Detections, nearest first up to their noise; unused entries are 0.
         pub detections: [Detection; MAX_DETECTIONS],
     }
-}
 
-listed! { RadarDetections.detections: detections, Detection }
-
-layout! {
     /// A vehicle as it really is.
-    #[type_name("timegap_msgs/msg/VehicleTruthItem")]
-    pub struct VehicleTruthItem {
+    pub struct VehicleTruthItem "timegap_msgs/msg/VehicleTruthItem" {
         /// 1 if the vehicle's body reaches into the ego's lane.
         pub in_lane: u64,
         /// Position of the rear bumper on the ego's axis, m.
@@ -166,14 +143,9 @@ layout! {
         /// Lateral offset from the ego's lane centre, m, positive to the left.
         pub lateral_m: f64,
     }
-}
 
-layout! {
     /// All simulated vehicles as they really are at the header's step.
-    #[type_name("timegap_msgs/msg/VehicleTruth")]
-    pub struct VehicleTruth {
-        /// Common header.
-        pub header: Header,
+    pub message VehicleTruth "timegap_msgs/msg/VehicleTruth" lists vehicles: VehicleTruthItem {
         /// 1 once the scenario's storyboard has come to its end, and with it the run.
         pub ended: u64,
         /// Valid entries of `vehicles`.
@@ -182,5 +154,3 @@ layout! {
         pub vehicles: [VehicleTruthItem; MAX_TRACKS],
     }
 }
-
-listed! { VehicleTruth.listed: vehicles, VehicleTruthItem }

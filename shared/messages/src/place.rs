@@ -11,7 +11,6 @@
 
 use crate::{Element, Layout, Scalar};
 
-/// Place of a scalar in a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Dotted path from the message.
@@ -25,14 +24,12 @@ pub struct Place {
     pub scalar: Scalar,
 }
 
-/// A scalar's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value<'a> {
     /// Bytes, printed as one hexadecimal number.
     Bytes(&'a [u8]),
     Unsigned(u64),
     Signed(i64),
-    /// Floating point.
     Float(f64),
 }
 

@@ -3,17 +3,14 @@
 //! The plane has x east and y north where the road begins without another `start`, headings counter-clockwise from x.
 //! The axis is the middle of the ego's lane: `position_m` and `lateral_m` of all messages count along and across it.
 
-use super::{Header, MAX_TRACKS};
+use super::MAX_TRACKS;
 use crate::layout::declare::*;
 
 layout! {
     /// Motion across the road as the ego's sensors measure it.
     ///
     /// At a stand the yaw rate is the sensor's offset and noise.
-    #[type_name("timegap_msgs/msg/LateralMotion")]
-    pub struct LateralMotion {
-        /// Common header.
-        pub header: Header,
+    pub message LateralMotion "timegap_msgs/msg/LateralMotion" {
         /// Yaw rate, rad/s, positive to the left.
         pub yaw_rate_radps: f64,
         /// Lateral acceleration at the centre of gravity, m/s², positive to the left.
@@ -21,14 +18,9 @@ layout! {
         /// Angle of the front wheels, rad, positive to the left.
         pub steering_rad: f64,
     }
-}
 
-layout! {
     /// Pose of the ego as it really is, and its motion across the road.
-    #[type_name("timegap_msgs/msg/EgoPose")]
-    pub struct EgoPose {
-        /// Common header.
-        pub header: Header,
+    pub message EgoPose "timegap_msgs/msg/EgoPose" {
         /// Middle of the front bumper in the plane, m.
         pub x_m: f64,
         /// Middle of the front bumper in the plane, m.
@@ -47,13 +39,10 @@ layout! {
         /// Lateral acceleration at the centre of gravity, m/s².
         pub lateral_acceleration_mps2: f64,
     }
-}
 
-layout! {
     /// The body of a vehicle in the plane.
     #[derive(Default)]
-    #[type_name("timegap_msgs/msg/VehiclePose")]
-    pub struct VehiclePose {
+    pub struct VehiclePose "timegap_msgs/msg/VehiclePose" {
         /// Middle of the body, m.
         pub x_m: f64,
         /// Middle of the body, m.
@@ -65,29 +54,17 @@ layout! {
         /// Width, m.
         pub width_m: f64,
     }
-}
 
-layout! {
     /// Bodies of all simulated vehicles at the header's step.
-    #[type_name("timegap_msgs/msg/VehiclePoses")]
-    pub struct VehiclePoses {
-        /// Common header.
-        pub header: Header,
+    pub message VehiclePoses "timegap_msgs/msg/VehiclePoses" lists poses: VehiclePose {
         /// Valid entries of `poses`.
         pub count: u64,
         /// The bodies in the order of `truth/vehicles`; unused entries are 0.
         pub poses: [VehiclePose; MAX_TRACKS],
     }
-}
 
-listed! { VehiclePoses.listed: poses, VehiclePose }
-
-layout! {
     /// The course: the axis ahead as perception estimates it, seen from the ego's body at the scan.
-    #[type_name("timegap_msgs/msg/Course")]
-    pub struct Course {
-        /// Common header.
-        pub header: Header,
+    pub message Course "timegap_msgs/msg/Course" {
         /// Heading of the axis at the front bumper against the body, rad, positive to the left.
         pub heading_rad: f64,
         /// Curvature there, 1/m, positive to the left.
@@ -112,10 +89,7 @@ pub const MAX_CURVE_CELLS: usize = 80;
 
 layout! {
     /// Curvature of the road ahead by the map.
-    #[type_name("timegap_msgs/msg/Curves")]
-    pub struct Curves {
-        /// Common header.
-        pub header: Header,
+    pub message Curves "timegap_msgs/msg/Curves" lists curvatures: f64 {
         /// Valid entries of `curvatures`: beyond them the map is empty.
         pub count: u64,
         /// Beginning of the first cell on the ego's axis, m: at the ego or behind it.

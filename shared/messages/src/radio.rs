@@ -1,6 +1,5 @@
 //! Frames on air, as bytes: what the on-board unit's radio hands out and takes.
 
-use super::Header;
 use crate::layout::declare::*;
 
 /// Longest frame, bytes, without the header of the link.
@@ -10,8 +9,7 @@ pub const MAX_FRAMES: usize = 16;
 
 layout! {
     /// A frame: GeoNetworking, BTP and the message in unaligned PER.
-    #[type_name("timegap_msgs/msg/RadioFrame")]
-    pub struct RadioFrame {
+    pub struct RadioFrame "timegap_msgs/msg/RadioFrame" {
         /// Time when it was sent, by the sender's own account, ns of run time; the smallest number: not known.
         pub sent_ns: i64,
         /// Time when it arrived at the vehicle's radio, ns of run time.
@@ -32,7 +30,6 @@ impl RadioFrame {
         (self.sent_ns != Self::UNKNOWN_NS).then(|| self.received_ns.saturating_sub(self.sent_ns))
     }
 
-    /// The valid bytes.
     pub fn data(&self) -> &[u8] {
         &self.bytes[..(self.length as usize).min(MAX_FRAME_BYTES)]
     }
@@ -49,10 +46,7 @@ impl RadioFrame {
 
 layout! {
     /// The frames that arrived since the last batch.
-    #[type_name("timegap_msgs/msg/RadioFrames")]
-    pub struct RadioFrames {
-        /// Common header.
-        pub header: Header,
+    pub message RadioFrames "timegap_msgs/msg/RadioFrames" lists frames: RadioFrame {
         /// UTC of run time 0 by the clock of the vehicle's radio, ns since 1970.
         pub utc_start_ns: i64,
         /// Time by which the sender's clock is ahead of the vehicle's, as two hosts compared them, ns.
@@ -66,16 +60,9 @@ layout! {
         /// The frames in the order of their arrival; unused entries are 0.
         pub frames: [RadioFrame; MAX_FRAMES],
     }
-}
 
-listed! { RadioFrames.frames: frames, RadioFrame }
-
-layout! {
     /// A frame that the vehicle sends.
-    #[type_name("timegap_msgs/msg/RadioSent")]
-    pub struct RadioSent {
-        /// Common header.
-        pub header: Header,
+    pub message RadioSent "timegap_msgs/msg/RadioSent" {
         /// UTC of run time 0 by the vehicle's clock, ns since 1970.
         pub utc_start_ns: i64,
         /// The frame; `received_ns` is -1.

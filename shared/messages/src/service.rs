@@ -38,9 +38,7 @@ pub enum Presence {
 /// Properties of a service that are known without its code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Descriptor {
-    /// Origin of its period.
     pub pace: Pace,
-    /// Condition for it to be part of the group.
     pub presence: Presence,
     /// Usual priority under `SCHED_FIFO`.
     pub priority: u8,

@@ -29,7 +29,6 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
 
     fn header(&self) -> &Header;
 
-    /// The common header, to be stamped.
     fn header_mut(&mut self) -> &mut Header;
 }
 
@@ -44,7 +43,6 @@ pub enum Role {
     Report,
 }
 
-/// One row of the table of topics.
 struct Row {
     name: &'static str,
     layout: &'static Layout,
@@ -169,7 +167,6 @@ topics! { $
 }
 
 impl Topic {
-    /// Name on the wire.
     pub const fn name(self) -> &'static str {
         self.row().name
     }
@@ -211,7 +208,7 @@ impl Topic {
     /// # Panics
     /// Never: a test finds the topic of each service.
     pub fn showing(service: Service) -> Self {
-        let shows = |topic: &Self| topic.shows() == Some(service);
+        let shows = |topic: &Self| topic.row().shows == Some(service);
         TOPICS.into_iter().find(shows).expect("each service has a topic that shows it")
     }
 
@@ -225,14 +222,8 @@ impl Topic {
         }
     }
 
-    /// Purpose of the topic.
     pub const fn role(self) -> Role {
         self.row().role
-    }
-
-    /// True if it carries the simulators' truth.
-    pub const fn is_truth(self) -> bool {
-        matches!(self.role(), Role::Truth)
     }
 
     /// Services whose cycles use it: a lockstep run makes them wait for it.

@@ -1,6 +1,5 @@
 //! Messages of the roadside unit, in the terms of SPATEM and MAPEM (SAE J2735).
 
-use super::Header;
 use crate::layout::declare::*;
 use crate::numbered::numbered;
 
@@ -18,11 +17,8 @@ numbered! {
         /// `unavailable` or `dark`: never to be treated as green.
         #[default]
         Unavailable = 0 "unavailable",
-        /// `stop-And-Remain`.
         StopAndRemain = 3 "stop-and-remain",
-        /// `protected-Movement-Allowed`.
         ProtectedMovementAllowed = 6 "protected-movement-allowed",
-        /// `protected-clearance`.
         ProtectedClearance = 8 "protected-clearance",
     }
 }
@@ -33,7 +29,6 @@ impl PhaseState {
         Self::by_number(number).unwrap_or_default()
     }
 
-    /// Number in messages.
     pub fn to_wire(self) -> u32 {
         self as u32
     }
@@ -41,8 +36,7 @@ impl PhaseState {
 
 layout! {
     /// One interval of a signal group's program, in run time.
-    #[type_name("timegap_msgs/msg/Interval")]
-    pub struct Interval {
+    pub struct Interval "timegap_msgs/msg/Interval" {
         /// Movement phase state, [`PhaseState`] as a number.
         pub state: u32,
         /// Confidence that `likely_end_s` holds, 0 to 15.
@@ -54,12 +48,9 @@ layout! {
         /// Latest end, s of run time.
         pub max_end_s: f64,
     }
-}
 
-layout! {
     /// Timing of one signal group.
-    #[type_name("timegap_msgs/msg/Signal")]
-    pub struct Signal {
+    pub struct Signal "timegap_msgs/msg/Signal" lists intervals: Interval {
         /// Intersection id.
         pub intersection_id: u32,
         /// Signal group id.
@@ -69,14 +60,9 @@ layout! {
         /// The current interval and those that follow.
         pub intervals: [Interval; MAX_INTERVALS],
     }
-}
 
-layout! {
     /// Signal phase and timing of all signals within radio range.
-    #[type_name("timegap_msgs/msg/Spat")]
-    pub struct Spat {
-        /// Common header.
-        pub header: Header,
+    pub message Spat "timegap_msgs/msg/Spat" lists signals: Signal {
         /// Valid entries of `signals`.
         pub count: u64,
         /// The signals, nearest first; unused entries are 0.
@@ -90,10 +76,7 @@ pub const MAX_PREVIEW_CELLS: usize = 48;
 
 layout! {
     /// The road ahead by the map.
-    #[type_name("timegap_msgs/msg/Preview")]
-    pub struct Preview {
-        /// Common header.
-        pub header: Header,
+    pub message Preview "timegap_msgs/msg/Preview" lists grades: f64 {
         /// Valid entries of `grades`: beyond them the map is empty.
         pub count: u64,
         /// Beginning of the first cell on the ego's axis, m: at the ego or behind it.
@@ -105,12 +88,9 @@ layout! {
         /// Mean grade of each cell, rise over run, positive uphill; unused entries are 0.
         pub grades: [f64; MAX_PREVIEW_CELLS],
     }
-}
 
-layout! {
     /// A lane's stop line and the signal group that governs it.
-    #[type_name("timegap_msgs/msg/Lane")]
-    pub struct Lane {
+    pub struct Lane "timegap_msgs/msg/Lane" {
         /// Intersection id.
         pub intersection_id: u32,
         /// Signal group id.
@@ -118,27 +98,17 @@ layout! {
         /// Position of the stop line on the ego's axis, m.
         pub stop_line_m: f64,
     }
-}
 
-layout! {
     /// Stop lines of all intersections within radio range.
-    #[type_name("timegap_msgs/msg/Map")]
-    pub struct Map {
-        /// Common header.
-        pub header: Header,
+    pub message Map "timegap_msgs/msg/Map" lists lanes: Lane {
         /// Valid entries of `lanes`.
         pub count: u64,
         /// The lanes, nearest first; unused entries are 0.
         pub lanes: [Lane; MAX_LANES],
     }
-}
 
-layout! {
     /// Lights as another simulator shows them, the referee's among them: not limited by radio range.
-    #[type_name("timegap_msgs/msg/Lights")]
-    pub struct Lights {
-        /// Common header.
-        pub header: Header,
+    pub message Lights "timegap_msgs/msg/Lights" lists lanes: Lane, signals: Signal {
         /// Valid entries of `lanes` and `signals`, which belong together by index.
         pub count: u64,
         /// Stop lines.
@@ -146,14 +116,9 @@ layout! {
         /// Their signals.
         pub signals: [Signal; MAX_SIGNALS],
     }
-}
 
-layout! {
     /// All signals as they really are: the referee's copy, not limited by radio range.
-    #[type_name("timegap_msgs/msg/SignalTruth")]
-    pub struct SignalTruth {
-        /// Common header.
-        pub header: Header,
+    pub message SignalTruth "timegap_msgs/msg/SignalTruth" lists lanes: Lane, signals: Signal {
         /// Valid entries of `lanes` and `signals`, which belong together by index.
         pub count: u64,
         /// Stop lines.

@@ -1,14 +1,11 @@
 //! State of the vehicle.
 
-use super::Header;
+use crate::PhaseState;
 use crate::layout::declare::*;
 
 layout! {
     /// Motion of the ego vehicle, from the plant.
-    #[type_name("timegap_msgs/msg/Odometry")]
-    pub struct Odometry {
-        /// Common header.
-        pub header: Header,
+    pub message Odometry "timegap_msgs/msg/Odometry" {
         /// Distance travelled by the front bumper since the start of the run, m.
         pub position_m: f64,
         /// Speed, m/s, never negative.
@@ -40,10 +37,7 @@ layout! {
     ///
     /// The simulated sensors measure from here, so that a fault of `vehicle/odometry` does not move the world. The
     /// launcher judges by it. Faults that wait for a phase of the drive begin by it.
-    #[type_name("timegap_msgs/msg/EgoTruth")]
-    pub struct EgoTruth {
-        /// Common header.
-        pub header: Header,
+    pub message EgoTruth "timegap_msgs/msg/EgoTruth" {
         /// Distance travelled by the front bumper since the start of the run, m.
         pub position_m: f64,
         /// Speed, m/s, never negative.
@@ -70,46 +64,17 @@ impl EgoTruth {
         let age_s = (time_s - self.header.acquisition_ns as f64 / 1e9).max(0.0);
         moved(self.position_m, self.speed_mps, self.acceleration_mps2, age_s)
     }
-}
 
-/// Drive of the ego at one instant: faults can wait for a phase of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive {
-    /// Position of the front bumper, m.
-    pub position_m: f64,
-    /// Speed, m/s.
-    pub speed_mps: f64,
-    /// Acceleration, m/s².
-    pub acceleration_mps2: f64,
-    /// Time to collision with the vehicle ahead, s, or infinite.
-    pub time_to_collision_s: f64,
     /// Distance to the next stop line if its signal shows red, m, else infinite.
-    pub red_line_m: f64,
-    /// A vehicle ahead moves sideways towards the ego's lane.
-    pub cut_in: bool,
-}
-
-impl Drive {
-    /// The phase by the ground truth.
-    pub fn of(truth: &EgoTruth) -> Self {
-        let red = truth.signal_state == crate::PhaseState::StopAndRemain.to_wire();
-        Self {
-            position_m: truth.position_m,
-            speed_mps: truth.speed_mps,
-            acceleration_mps2: truth.acceleration_mps2,
-            time_to_collision_s: truth.time_to_collision_s,
-            red_line_m: if red { truth.stop_line_m } else { f64::INFINITY },
-            cut_in: truth.cut_in != 0,
-        }
+    pub fn red_line_m(&self) -> f64 {
+        let is_red = self.signal_state == PhaseState::StopAndRemain.to_wire();
+        if is_red { self.stop_line_m } else { f64::INFINITY }
     }
 }
 
 layout! {
     /// State of engine and gearbox, from a plant that has them.
-    #[type_name("timegap_msgs/msg/Powertrain")]
-    pub struct Powertrain {
-        /// Common header.
-        pub header: Header,
+    pub message Powertrain "timegap_msgs/msg/Powertrain" {
         /// Gear, counted from 1, the lowest.
         pub gear: u32,
         /// Number of shifts since the start of the run.

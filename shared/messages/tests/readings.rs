@@ -38,32 +38,12 @@ proptest! {
 }
 
 #[test]
-fn a_drive_has_the_values_of_the_truth_and_the_line_of_a_red_signal_alone() {
-    let mut truth = EgoTruth {
-        position_m: 1.0,
-        speed_mps: 2.0,
-        acceleration_mps2: 3.0,
-        time_to_collision_s: 4.0,
-        stop_line_m: 5.0,
-        signal_state: PhaseState::StopAndRemain.to_wire(),
-        cut_in: 1,
-        ..EgoTruth::zeroed()
-    };
-    let red = Drive {
-        position_m: 1.0,
-        speed_mps: 2.0,
-        acceleration_mps2: 3.0,
-        time_to_collision_s: 4.0,
-        red_line_m: 5.0,
-        cut_in: true,
-    };
-    assert_eq!(Drive::of(&truth), red);
-    truth.cut_in = 0;
+fn only_the_line_of_a_red_signal_is_a_red_line() {
+    let mut truth = EgoTruth { stop_line_m: 5.0, ..EgoTruth::zeroed() };
     for state in PhaseState::ALL {
         truth.signal_state = state.to_wire();
         let is_red = state == PhaseState::StopAndRemain;
-        let red_line_m = if is_red { 5.0 } else { f64::INFINITY };
-        assert_eq!(Drive::of(&truth), Drive { red_line_m, cut_in: false, ..red }, "{state:?}");
+        assert_eq!(truth.red_line_m(), if is_red { 5.0 } else { f64::INFINITY }, "{state:?}");
     }
 }
 
@@ -87,7 +67,7 @@ fn a_list_has_as_many_elements_as_are_counted_and_never_more_than_fit() {
     let mut frames = RadioFrames::zeroed();
     let of_tracks = lengths(MAX_TRACKS, |count| {
         tracks.count = count;
-        tracks.listed().len()
+        tracks.tracks().len()
     });
     let of_scan = lengths(MAX_DETECTIONS, |count| {
         scan.count = count;
@@ -95,7 +75,7 @@ fn a_list_has_as_many_elements_as_are_counted_and_never_more_than_fit() {
     });
     let of_poses = lengths(MAX_TRACKS, |count| {
         poses.count = count;
-        poses.listed().len()
+        poses.poses().len()
     });
     let of_frames = lengths(MAX_FRAMES, |count| {
         frames.count = count;
@@ -108,8 +88,8 @@ fn a_list_has_as_many_elements_as_are_counted_and_never_more_than_fit() {
     (scan.count, scan.detections[0].range_m) = (1, 7.5);
     (poses.count, poses.poses[0].x_m) = (1, 8.5);
     (frames.count, frames.frames[0].sent_ns) = (1, 9);
-    assert_eq!((tracks.listed()[0].id, scan.detections()[0].range_m), (77, 7.5));
-    assert_eq!((poses.listed()[0].x_m, frames.frames()[0].sent_ns), (8.5, 9));
+    assert_eq!((tracks.tracks()[0].id, scan.detections()[0].range_m), (77, 7.5));
+    assert_eq!((poses.poses()[0].x_m, frames.frames()[0].sent_ns), (8.5, 9));
 }
 
 #[test]
@@ -207,7 +187,12 @@ fn unknown_numbers_are_the_cautious_state() {
 fn topics_are_found_by_name_and_have_one_sender_in_each_group() {
     for topic in TOPICS {
         assert_eq!(Topic::by_name(topic.name()), Some(topic));
-        assert_eq!(topic.is_truth(), topic.name().starts_with("truth/"), "{}", topic.name());
+        assert_eq!(
+            topic.role() == Role::Truth,
+            topic.name().starts_with("truth/"),
+            "{}",
+            topic.name()
+        );
         assert_eq!(topic.message_bytes(), topic.layout().bytes);
         // One rides with another one of the same sender.
         if let Some(other) = topic.rides_with() {
@@ -223,7 +208,7 @@ fn topics_are_found_by_name_and_have_one_sender_in_each_group() {
     assert_eq!(Topic::Heartbeat.source(&all), None);
     assert_eq!(Topic::Odometry.shows(), None);
     assert_eq!(Topic::Command.shows(), Some(Service::Controller));
-    assert_eq!(Topic::showing(Service::Aebs), Topic::Brake);
+    assert_eq!(Topic::Brake.shows(), Some(Service::Aebs));
 }
 
 #[test]

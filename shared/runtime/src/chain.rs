@@ -20,7 +20,6 @@ pub fn part(reached_ns: &mut i64, stamp_ns: i64) -> i64 {
     part
 }
 
-/// Histograms of one chain.
 #[derive(Debug)]
 pub struct ChainTimes {
     /// Acquisition to the first act, once for each sample that reaches the end.

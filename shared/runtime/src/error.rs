@@ -31,9 +31,6 @@ pub enum RuntimeError {
     /// A foreign program that computes for the service failed.
     #[error("{0}")]
     Program(#[source] Box<dyn Error + Send + Sync>),
-    /// A carrier of radio frames cannot be opened.
-    #[error("radio: {0}")]
-    Radio(#[source] Box<dyn Error + Send + Sync>),
     /// The scenario of the group file cannot be read.
     #[error("the scenario of the group file: {0}")]
     Scenario(#[from] ScenarioError),

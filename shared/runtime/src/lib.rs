@@ -57,7 +57,7 @@ pub use machine::program::{Program, ProgramError, command_line, executable};
 pub use machine::scheduling;
 pub use machine::spawn::{OwnNetwork, die_with_this_thread, inherit_only};
 pub use machine::usage::Usage;
-pub use ports::guest::{Guest, Observer, Played, Tapped};
+pub use ports::guest::{Guest, Played, Tapped};
 pub use ports::members::{enroll, enroll_listener};
 pub use ports::{Publisher, Subscriber};
 pub use releases::clock::{Clock, Mode, monotonic_ns, sleep_until};

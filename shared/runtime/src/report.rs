@@ -27,11 +27,9 @@ pub struct ReceivedTopic {
     pub received: u64,
     /// Gaps in the sequence numbers.
     pub lost: u64,
-    /// Outcomes of the end-to-end check.
     pub e2e: Outcomes,
 }
 
-/// Report of one service at its end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ServiceReport {
     pub service: Service,

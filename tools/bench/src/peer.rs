@@ -121,9 +121,9 @@ pub fn page(name: &str) -> Result<SharedWords, MachineError> {
 fn metronome_job(job: &Job) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
     let granted = schedule(job);
-    let state = page.word(METRONOME);
+    let state = &page[METRONOME];
     let mut latencies = Latencies::default();
-    page.word(READY).store(1, Ordering::Release);
+    page[READY].store(1, Ordering::Release);
     let mut scheduled = monotonic_ns() + job.period_ns;
     loop {
         while monotonic_ns() < scheduled {
@@ -157,7 +157,7 @@ fn source(job: &Job, root: &Path, turns: &Turns) -> Result<Outcome, Error> {
     let mut source = Source::open(&turns.ways, root, &page)?;
     let mut cycles = 0;
     for (number, &way) in (1_u32..).zip(&turns.order) {
-        while page.word(READY).load(Ordering::Acquire) < number {
+        while page[READY].load(Ordering::Acquire) < number {
             std::thread::sleep(std::time::Duration::from_micros(200));
         }
         let mut next = monotonic_ns() + job.period_ns;
@@ -169,7 +169,7 @@ fn source(job: &Job, root: &Path, turns: &Turns) -> Result<Outcome, Error> {
             cycles += 1;
             next = following(next, job.period_ns);
         }
-        page.word(DONE).store(number, Ordering::Release);
+        page[DONE].store(number, Ordering::Release);
         source.ring(way)?;
     }
     Ok(Outcome::of_cycles(granted, cycles))
@@ -186,10 +186,10 @@ fn sink(job: &Job, root: &Path, turns: &Turns) -> Result<Outcome, Error> {
         let mut came = 0;
         // Leftovers of an earlier block in a buffer are older than this.
         let begun = monotonic_ns();
-        page.word(READY).store(number, Ordering::Release);
+        page[READY].store(number, Ordering::Release);
         loop {
             let before = came;
-            let was_done = page.word(DONE).load(Ordering::Acquire) >= number;
+            let was_done = page[DONE].load(Ordering::Acquire) >= number;
             sink.wait(way, |sent_ns| {
                 if sent_ns >= begun {
                     came += 1;

@@ -237,7 +237,7 @@ impl Stage {
         let priority = fifo.then_some(METRONOME_PRIORITY);
         let peer = self.spawn(Task::Metronome, priority, core, period_us, None)?;
         let begun = Instant::now();
-        while self.page.word(wake::READY).load(Ordering::Acquire) == 0 {
+        while self.page[wake::READY].load(Ordering::Acquire) == 0 {
             if begun.elapsed() > PATIENCE {
                 return Err(failed("start the metronome")("it does not tick in time").into());
             }
@@ -257,7 +257,7 @@ impl Stage {
 
     fn clear(&self) {
         for word in [wake::COUNT, wake::READY, wake::DONE, wake::METRONOME] {
-            self.page.word(word).store(0, Ordering::Release);
+            self.page[word].store(0, Ordering::Release);
         }
     }
 
@@ -313,11 +313,11 @@ impl Metronome<'_> {
     /// Starts or stops counting.
     pub fn count(&self, counts: bool) {
         let state = if counts { metronome::COUNT } else { metronome::WARM };
-        self.stage.page.word(wake::METRONOME).store(state, Ordering::Relaxed);
+        self.stage.page[wake::METRONOME].store(state, Ordering::Relaxed);
     }
 
     pub fn finish(self) -> Result<Outcome, Error> {
-        self.stage.page.word(wake::METRONOME).store(metronome::STOP, Ordering::Relaxed);
+        self.stage.page[wake::METRONOME].store(metronome::STOP, Ordering::Relaxed);
         self.peer.finish()
     }
 }

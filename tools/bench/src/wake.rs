@@ -28,7 +28,7 @@ fn event(guest: &Guest) -> Result<PortFactory<Ipc>, MachineError> {
 /// Words of the stamp of a wake-up.
 fn stamp_words(page: &SharedWords, number: u32) -> [&AtomicU32; 2] {
     let place = STAMPS + number as usize % RING * 2;
-    [page.word(place), page.word(place + 1)]
+    [&page[place], &page[place + 1]]
 }
 
 /// The sending end.
@@ -106,7 +106,7 @@ impl<'a> Source<'a> {
                 high.store((now >> 32) as u32, Ordering::Relaxed);
                 low.store(now as u32, Ordering::Relaxed);
                 self.sent += 1;
-                self.page.word(COUNT).store(self.sent, Ordering::Release);
+                self.page[COUNT].store(self.sent, Ordering::Release);
                 self.ring(way)?;
             }
         }
@@ -117,7 +117,7 @@ impl<'a> Source<'a> {
     pub fn ring(&self, way: usize) -> Result<(), MachineError> {
         match &self.ways[way] {
             SourceWay::Futex => {
-                let woken = futex::wake(self.page.word(COUNT), futex::Flags::empty(), 1);
+                let woken = futex::wake(&self.page[COUNT], futex::Flags::empty(), 1);
                 woken.map_err(failed("wake by futex"))?;
             }
             SourceWay::Eventfd => {
@@ -206,7 +206,7 @@ impl<'a> Sink<'a> {
             SinkWay::Payload(port) => port.next(LOOK, &mut each)?,
             SinkWay::Futex => {
                 let timeout = LOOK.try_into().expect("short");
-                let word = self.page.word(COUNT);
+                let word = &self.page[COUNT];
                 match futex::wait(word, futex::Flags::empty(), self.seen, Some(&timeout)) {
                     Ok(()) | Err(Errno::AGAIN | Errno::TIMEDOUT | Errno::INTR) => {}
                     Err(error) => return Err(failed("wait by futex")(error).into()),
@@ -221,7 +221,7 @@ impl<'a> Sink<'a> {
             }
         }
         // Messages and payloads carry their stamps and do not count here.
-        let count = self.page.word(COUNT).load(Ordering::Acquire);
+        let count = self.page[COUNT].load(Ordering::Acquire);
         while self.seen < count {
             let [high, low] = stamp_words(self.page, self.seen).map(|w| w.load(Ordering::Relaxed));
             each((u64::from(high) << 32 | u64::from(low)).cast_signed());

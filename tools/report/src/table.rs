@@ -80,13 +80,19 @@ where
     R: IntoIterator<Item = Option<f64>>,
 {
     let mut text = String::from_utf8(csv_row(head)).expect("made of strings");
+    let mut digits = zmij::Buffer::new();
     for row in rows {
         for (place, figure) in row.into_iter().enumerate() {
             if place > 0 {
                 text.push(',');
             }
-            if let Some(figure) = figure {
-                write!(text, "{figure}").expect("a string takes all");
+            let Some(figure) = figure else { continue };
+            match digits.format(figure) {
+                // Very large, very small, or not finite.
+                shown if shown.contains(|c: char| c.is_ascii_alphabetic()) => {
+                    write!(text, "{figure}").expect("a string takes all");
+                }
+                shown => text.push_str(shown.strip_suffix(".0").unwrap_or(shown)),
             }
         }
         text.push('\n');
@@ -129,5 +135,8 @@ mod tests {
             csv_of_figures(["a", "b, c", "d\""], rows),
             "a,\"b, c\",\"d\"\"\"\n0.1,,-0.0000001\nNaN,3,1000000000000000000000\n"
         );
+        let figures = [-0.0, 1.5, f64::MAX, f64::MIN_POSITIVE, 1e15, 123_456_789.012_345_67, 0.3];
+        let shown = figures.map(|figure| figure.to_string()).join(",");
+        assert_eq!(csv_of_figures(["a"], [figures.map(Some)]), format!("a\n{shown}\n"));
     }
 }

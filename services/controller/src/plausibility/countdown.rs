@@ -21,7 +21,7 @@
 //! Two senders that disagree about an end are a matter of the on-board unit: it hands on an open end.
 
 use super::{Check, Findings};
-use messages::{Interval, MAX_INTERVALS, PhaseState, Signal, Spat};
+use messages::{Interval, PhaseState, Signal, Spat};
 
 /// Accuracy of an announced end, s: marks are tenths of a second, and its two bounds are rounded apart.
 const ACCURACY_S: f64 = 0.2;
@@ -126,9 +126,8 @@ impl Countdown {
         let made_s = sample.header.acquisition_ns as f64 / 1e9;
         let switch_s = SWITCH_S + self.clocks_s;
         *self.used = *sample;
-        let count = usize::try_from(sample.count).map_or(0, |n| n.min(sample.signals.len()));
         let (mut off, mut jump) = (0.0_f64, 0.0_f64);
-        for signal in sample.signals[..count].iter().filter(|signal| signal.count > 0) {
+        for signal in sample.signals().iter().filter(|signal| signal.count > 0) {
             let slot = self.slot(signal);
             let mut known = match self.known[slot] {
                 Some(known) if made_s - known.heard_s <= GAP_S => known,
@@ -151,7 +150,9 @@ impl Countdown {
             self.known[slot] = Some(known);
         }
         self.doubts = false;
-        for signal in self.used.signals[..count].iter_mut().filter(|signal| signal.count > 0) {
+        for signal in
+            self.used.signals[..sample.signals().len()].iter_mut().filter(|signal| signal.count > 0)
+        {
             let Some(known) = find(&self.known, signal).and_then(|slot| self.known[slot]) else {
                 continue;
             };
@@ -201,7 +202,7 @@ impl Known {
 
     /// Compares a message that was made at `made_s` and is used at `time_s` with the earlier announcement.
     fn compare(&self, new: &Signal, made_s: f64, time_s: f64, switch_s: f64) -> Evidence {
-        let (old, new) = (intervals(&self.signal), intervals(new));
+        let (old, new) = (self.signal.intervals(), new.intervals());
         let (Some(was), Some(now)) = (old.first(), new.first()) else { return Evidence::default() };
         let mut evidence = Evidence::default();
         let mut place = 0;
@@ -250,7 +251,7 @@ impl Known {
     /// Cuts an announcement made at `made_s` down to what is of use with an error of its ends.
     fn cut(&self, signal: &mut Signal, made_s: f64, error_s: f64) {
         let is_useless = error_s > USELESS_S;
-        let count = intervals(signal).len();
+        let count = signal.intervals().len();
         let shown = signal.intervals[0];
         if is_green(&shown) {
             self.cut_green(signal, made_s, error_s);
@@ -275,7 +276,7 @@ impl Known {
 
     /// The same of a shown green. One with an open end can end with the next message, and then its yellow comes.
     fn cut_green(&self, signal: &mut Signal, made_s: f64, error_s: f64) {
-        let count = intervals(signal).len();
+        let count = signal.intervals().len();
         let [shown, next, ..] = signal.intervals;
         let is_open = error_s > 0.0 || shown.max_end_s - shown.min_end_s > ACCURACY_S;
         let lacks_next = count == 1 && shown.min_end_s.is_finite();
@@ -308,7 +309,7 @@ impl Known {
 
 /// Announced length of a signal's yellow, s. A sender that announces nothing behind a green leaves the shortest.
 fn yellow_s(signal: &Signal) -> Option<f64> {
-    let intervals = intervals(signal);
+    let intervals = signal.intervals();
     if intervals.len() == 1 && is_green(&intervals[0]) {
         return Some(SHORTEST_YELLOW_S);
     }
@@ -332,9 +333,4 @@ fn is_yellow(interval: &Interval) -> bool {
 fn find(known: &[Option<Known>; REMEMBERED], signal: &Signal) -> Option<usize> {
     let id = |signal: &Signal| (signal.intersection_id, signal.signal_group);
     known.iter().position(|known| known.is_some_and(|known| id(&known.signal) == id(signal)))
-}
-
-fn intervals(signal: &Signal) -> &[Interval] {
-    let count = usize::try_from(signal.count).map_or(0, |count| count.min(MAX_INTERVALS));
-    &signal.intervals[..count]
 }

@@ -154,7 +154,7 @@ impl Motion {
 /// speed minus the queue's. No vehicle makes it greater, since a queue does not drive backwards.
 fn queue_moves_so(radar: &RadarTracks, measured_mps: f64, odometry_mps: f64) -> bool {
     measured_mps < odometry_mps
-        && radar.listed().iter().any(|track| {
+        && radar.tracks().iter().any(|track| {
             let cosine = libm::cos(track.azimuth_rad).max(0.5);
             (track.range_rate_mps / cosine + measured_mps).abs() < QUEUE_MPS
         })

@@ -237,7 +237,7 @@ impl Measured {
     /// The measurement behind the target of a scan, or the target itself where no track is named.
     fn of(sample: &RadarTracks) -> Option<Self> {
         let target = Some(&sample.target).filter(|target| target.valid != 0)?;
-        let track = sample.listed().iter().find(|track| track.in_path != 0);
+        let track = sample.tracks().iter().find(|track| track.in_path != 0);
         let (range_m, range_rate_mps) = track
             .map_or((target.gap_m, target.relative_speed_mps), |t| (t.range_m, t.range_rate_mps));
         Some(Self {

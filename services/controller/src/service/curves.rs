@@ -2,7 +2,7 @@
 
 use crate::curve_speed::{Cells, Clothoid, CurveSpeed, OwnWay, RoadAhead};
 use crate::law::Input;
-use messages::{Course, Curves, LateralMotion, MAX_CURVE_CELLS, Origin};
+use messages::{Course, Curves, LateralMotion, Origin};
 use runtime::{Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use scenario::sumo_traffic::SumoRoute;
@@ -71,10 +71,7 @@ impl CurveTopics {
         let map = self.map.newest().map(|map| Cells {
             first_m: map.first_cell_m - input.ego.position_m,
             cell_m: map.cell_m,
-            curvatures_perm: {
-                let count = usize::try_from(map.count).unwrap_or(MAX_CURVE_CELLS);
-                &map.curvatures[..count.min(MAX_CURVE_CELLS)]
-            },
+            curvatures_perm: map.curvatures(),
         });
         let course = self.course.newest().filter(|course| {
             let age_s = input.time_s - course.header.acquisition_ns as f64 / 1e9;

@@ -25,8 +25,7 @@ pub struct SignalTruth {
 
 /// Lanes and signals of the ground truth, nearest first.
 pub(crate) fn shown(truth: &messages::SignalTruth) -> impl Iterator<Item = (&Lane, &Signal)> {
-    let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.lanes.len()));
-    truth.lanes[..count].iter().zip(&truth.signals)
+    truth.lanes().iter().zip(truth.signals())
 }
 
 impl SignalTruth {

@@ -229,9 +229,8 @@ impl Scene {
     /// Stop lines: where, colour of the light, and time until it may change, s.
     fn stop_lines(&self, now_ns: i64) -> Vec<(f64, Color, Option<f64>)> {
         let Some(truth) = &self.signals else { return Vec::new() };
-        let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.lanes.len()));
         let now_s = now_ns as f64 / 1e9;
-        let lines = truth.lanes[..count].iter().zip(&truth.signals);
+        let lines = truth.lanes().iter().zip(truth.signals());
         lines
             .filter(|(lane, _)| lane.stop_line_m.is_finite())
             .map(|(lane, signal)| {
@@ -299,7 +298,7 @@ impl Scene {
             return gap_m.is_finite().then(|| front.point(gap_m, 0.0));
         }
         // The gap is along the course; the track's place is before the bumper.
-        let track = tracks.listed().iter().find(|track| track.in_path != 0)?;
+        let track = tracks.tracks().iter().find(|track| track.in_path != 0)?;
         let (sine, cosine) = libm::sincos(track.azimuth_rad);
         let place = front.point(track.range_m * cosine, track.range_m * sine);
         place.iter().all(|value| value.is_finite()).then_some(place)

@@ -9,10 +9,10 @@ use scenario::event::VEHICLE_WIDTH_M;
 impl Scene {
     /// The vehicles of the newest step, those of its second message included.
     fn listed(&self) -> impl Iterator<Item = &VehicleTruthItem> {
-        let first = self.vehicles.iter().flat_map(|truth| truth.listed());
+        let first = self.vehicles.iter().flat_map(|truth| truth.vehicles());
         let step = self.vehicles.as_ref().map(|truth| truth.header.step);
         let more = self.more_vehicles.iter().filter(move |more| Some(more.header.step) == step);
-        first.chain(more.flat_map(|more| more.listed()))
+        first.chain(more.flat_map(|more| more.vehicles()))
     }
 
     /// The vehicles of a straight road.

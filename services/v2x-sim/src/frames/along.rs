@@ -5,7 +5,7 @@ use crate::numbers::NUMBERS;
 use its::geodesy::Plane;
 use its::mapem::{LEFT, Mapem, RIGHT, STRAIGHT};
 use its::spatem::MovementEvent;
-use messages::{Lights, MAX_INTERVALS, PhaseState};
+use messages::{Lights, PhaseState};
 use road::Axis;
 use scenario::v2x::Phase;
 
@@ -60,15 +60,11 @@ impl Site {
 
 /// The intervals of a signal of another simulator.
 pub(super) fn shown(lights: &Lights, id: (u16, u8), now: &Now) -> Vec<MovementEvent> {
-    let count = usize::try_from(lights.count).map_or(0, |count| count.min(lights.signals.len()));
     let is_it = |signal: &&messages::Signal| {
         (signal.intersection_id, signal.signal_group) == (id.0.into(), id.1.into())
     };
-    let found = lights.signals[..count].iter().find(is_it);
-    let intervals = found.map_or(&[][..], |signal| {
-        let count = usize::try_from(signal.count).map_or(0, |n| n.min(MAX_INTERVALS));
-        &signal.intervals[..count]
-    });
+    let found = lights.signals().iter().find(is_it);
+    let intervals = found.map_or(&[][..], messages::Signal::intervals);
     let event = |interval: &messages::Interval| {
         let phase = match PhaseState::from_wire(interval.state) {
             PhaseState::ProtectedMovementAllowed => Phase::Green,

@@ -33,8 +33,7 @@ const _: () = assert!(size_of::<Protection>() == 24);
 layout! {
     /// The protection of a message, first in its header; filled in by the port that sends it.
     #[derive(Default, Eq)]
-    #[type_name("timegap_msgs/msg/Protection")]
-    pub struct Protection {
+    pub struct Protection "timegap_msgs/msg/Protection" {
         /// CRC-64, big-endian.
         pub crc: [u8; 8],
         /// Bytes of the message that are protected, big-endian.
@@ -70,7 +69,6 @@ pub fn protected(message: &[u8], in_use: usize) -> &[u8] {
     if says_all { message } else { &message[..in_use] }
 }
 
-/// CRC-64/XZ of `bytes`.
 fn crc(bytes: &[u8]) -> u64 {
     checksum(CrcAlgorithm::Crc64Xz, bytes)
 }

@@ -5,9 +5,10 @@
 //! the process is gone without a report.
 
 use crate::faults::{FaultStatistics, Faults};
-use crate::ports::Counted;
+use crate::ports::{Opened, Ports};
 use crate::report::{ReceivedTopic, SentTopic};
 use crate::survival::checkpoint::Checkpoint;
+use crate::transport::{Receiver, Sender};
 use crate::{Group, RuntimeError};
 use messages::Service;
 use scenario::faults::MAX_FAULTS;
@@ -48,23 +49,23 @@ struct Counts<'a> {
     cycles: u64,
     skipped: u64,
     #[serde(serialize_with = "sent")]
-    sent: &'a [Counted],
+    sent: &'a [Opened<Sender>],
     #[serde(serialize_with = "received")]
-    received: &'a [Counted],
+    received: &'a [Opened<Receiver>],
     faults: &'a [FaultStatistics],
 }
 
-fn sent<S: Serializer>(ports: &&[Counted], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(ports.iter().map(|(topic, tally)| {
+fn sent<S: Serializer>(ports: &&[Opened<Sender>], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(ports.iter().map(|end| {
         let digest: Option<String> = None;
-        (topic.name(), tally.borrow().messages, digest)
+        (end.topic.name(), end.tally.borrow().messages, digest)
     }))
 }
 
-fn received<S: Serializer>(ports: &&[Counted], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(ports.iter().map(|(topic, tally)| {
-        let tally = tally.borrow();
-        (topic.name(), tally.messages, tally.lost, tally.e2e)
+fn received<S: Serializer>(ports: &&[Opened<Receiver>], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(ports.iter().map(|end| {
+        let tally = end.tally.borrow();
+        (end.topic.name(), tally.messages, tally.lost, tally.e2e)
     }))
 }
 
@@ -76,7 +77,6 @@ pub(crate) struct OwnAccount {
 }
 
 impl OwnAccount {
-    /// Begins the account of a process.
     pub(crate) fn begin(
         group: &Group,
         service: Service,
@@ -90,12 +90,12 @@ impl OwnAccount {
     pub(crate) fn write(
         &mut self,
         (cycles, skipped): (u64, u64),
-        (sent, received): (&[Counted], &[Counted]),
+        ports: &Ports,
         faults: &Faults,
     ) -> Result<(), RuntimeError> {
         self.faults.clear();
         faults.statistics(&mut self.faults);
-        let faults = &*self.faults;
+        let (sent, received, faults) = (&*ports.senders, &*ports.receivers, &*self.faults);
         self.checkpoint.save(&Counts { cycles, skipped, sent, received, faults })
     }
 }
@@ -104,9 +104,18 @@ impl OwnAccount {
 mod tests {
     use super::*;
     use crate::counts::tests::Run;
+    use crate::life::link::End;
     use crate::ports::Tally;
+    use crate::transport::{Bus, Sealing, Seat, Transport, Wanted};
     use messages::Topic;
     use scenario::Scenario;
+    use std::cell::RefCell;
+    use std::rc::Rc;
+
+    fn ports(run: &Run) -> Ports {
+        let bus = Rc::new(Bus::new(&run.0.timetable, Sealing::Sealed));
+        Ports::new(Transport::Memory(Seat::new(bus, None)))
+    }
 
     fn begin(run: &Run, incarnation: u32) -> OwnAccount {
         OwnAccount::begin(&run.0, Service::Plant, incarnation).expect("shared memory")
@@ -125,18 +134,22 @@ mod tests {
     fn an_account_outlives_its_process_and_is_taken_once() {
         let run = Run::new("account");
         let tally = || {
-            let tally = std::rc::Rc::<std::cell::RefCell<Tally>>::default();
+            let tally = Rc::<RefCell<Tally>>::default();
             tally.borrow_mut().messages = 7;
             tally.borrow_mut().lost = 2;
             tally.borrow_mut().e2e.unknown_sender = 3;
             tally
         };
         let mut account = begin(&run, 2);
-        let (sent, received) = ([(Topic::Odometry, tally())], [(Topic::Command, tally())]);
+        let mut ports = ports(&run);
+        let port = ports.transport.sender(Topic::Odometry, End::default()).expect("memory");
+        ports.senders.push(Opened { topic: Topic::Odometry, port, tally: tally() });
+        let port = ports.transport.receiver(Topic::Command, Wanted::Every).expect("memory");
+        ports.receivers.push(Opened { topic: Topic::Command, port, tally: tally() });
         let faults = faults("[[faults]]\nkind = \"drop\"\ntopic = \"control/command\"\n");
         let activated = scenario::faults::Effect::of_channels;
         faults.activate(activated, Topic::Command, (4, 0, 1), 9, |_, _| {});
-        account.write((5, 1), (&sent, &received), &faults).expect("there is room");
+        account.write((5, 1), &ports, &faults).expect("there is room");
         drop(account);
         let last = take(&run, 2).expect("it is there");
         assert_eq!((last.cycles, last.skipped), (5, 1));
@@ -154,8 +167,9 @@ mod tests {
     fn the_active_process_and_its_standby_have_accounts_of_their_own() {
         let run = Run::new("two-accounts");
         let (mut active, standby) = (begin(&run, 0), begin(&run, 1));
-        active.write((5, 0), (&[], &[]), &faults("")).expect("there is room");
-        active.write((6, 0), (&[], &[]), &faults("")).expect("there is room");
+        for cycles in [5, 6] {
+            active.write((cycles, 0), &ports(&run), &faults("")).expect("there is room");
+        }
         drop(standby);
         assert_eq!(take(&run, 0).map(|last| last.cycles), Some(6));
         assert_eq!(take(&run, 1), None, "it wrote nothing");

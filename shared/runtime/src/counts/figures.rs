@@ -42,11 +42,21 @@ unsafe impl Atomics for Names {}
 /// The counts and histograms of a service: in realtime those of all its processes, else this process's own.
 ///
 /// Another process reads them with the same type. The service's processes may all be gone.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Figures {
-    kept: Option<Kept>,
+    /// The service's file; `None` for figures of this process alone.
+    file: Option<File>,
+    names: Arc<Shared<Names>>,
+    /// False while the process stands by.
+    records: Arc<AtomicBool>,
     /// Process whose cycles it shows.
     shown: Option<u32>,
+}
+
+impl Default for Figures {
+    fn default() -> Self {
+        Self::new(None, Shared::private())
+    }
 }
 
 impl Figures {
@@ -69,16 +79,17 @@ impl Figures {
     }
 
     fn in_file(file: File) -> io::Result<Self> {
-        let names = Arc::new(Shared::of(&file, offset_of!(State, names))?);
-        let kept = Some(Kept { file, names, records: Arc::new(AtomicBool::new(true)) });
-        Ok(Self { kept, shown: None })
+        let names = Shared::of(&file, offset_of!(State, names))?;
+        Ok(Self::new(Some(file), names))
+    }
+
+    fn new(file: Option<File>, names: Shared<Names>) -> Self {
+        Self { file, names: Arc::new(names), records: Arc::new(true.into()), shown: None }
     }
 
     /// Sets whether this process records: a standby does not.
     pub(crate) fn set_recording(&self, records: bool) {
-        if let Some(kept) = &self.kept {
-            kept.records.store(records, Ordering::Relaxed);
-        }
+        self.records.store(records, Ordering::Relaxed);
     }
 
     /// Shows others from now on that this is process `incarnation`, and its cycles.
@@ -89,37 +100,33 @@ impl Figures {
 
     /// Shows others that this process, which has begun, has done `cycles`.
     pub fn show_progress(&self, cycles: u64) {
-        if let (Some(kept), Some(incarnation)) = (&self.kept, self.shown) {
-            let place = incarnation as usize % PROCESSES;
-            kept.names.cycles[place].store(cycles, Ordering::Relaxed);
-            kept.names.processes[place].store(u64::from(incarnation) + 1, Ordering::Release);
-        }
+        let Some(incarnation) = self.shown else { return };
+        let place = incarnation as usize % PROCESSES;
+        self.names.cycles[place].store(cycles, Ordering::Relaxed);
+        self.names.processes[place].store(u64::from(incarnation) + 1, Ordering::Release);
     }
 
     /// The progress of process `incarnation`; `None` if it shows no cycles.
     pub fn progress(&self, incarnation: u32) -> Option<Progress> {
-        let names = Arc::clone(&self.kept.as_ref()?.names);
-        let place = incarnation as usize % PROCESSES;
+        let (names, place) = (Arc::clone(&self.names), incarnation as usize % PROCESSES);
         let shown = names.processes[place].load(Ordering::Acquire);
         (shown == u64::from(incarnation) + 1).then_some(Progress { names, place })
     }
 
     pub fn count(&self, name: &str) -> Result<Count, RuntimeError> {
-        let Some(kept) = &self.kept else { return Ok(Count::default()) };
-        let slot = slot(&kept.names.counts, name).map_err(RuntimeError::setup(name.to_owned()))?;
-        let (names, records) = (Arc::clone(&kept.names), Arc::clone(&kept.records));
-        Ok(Count(Place::Kept { names, slot, records }))
+        let slot = slot(&self.names.counts, name).map_err(RuntimeError::setup(name.to_owned()))?;
+        Ok(Count { names: Arc::clone(&self.names), slot, records: Arc::clone(&self.records) })
     }
 
-    /// The histogram of this name.
     pub fn latencies(&self, name: &str) -> Result<Latencies, RuntimeError> {
-        let Some(kept) = &self.kept else { return Ok(Latencies::with_room()) };
-        let buckets = slot(&kept.names.histograms, name).and_then(|slot| {
-            let place = offset_of!(State, histograms) + slot * size_of::<Buckets>();
-            Shared::of(&kept.file, place)
+        let buckets = slot(&self.names.histograms, name).and_then(|slot| match &self.file {
+            Some(file) => {
+                Shared::of(file, offset_of!(State, histograms) + slot * size_of::<Buckets>())
+            }
+            None => Ok(Shared::private()),
         });
         let buckets = buckets.map_err(RuntimeError::setup(name.to_owned()))?;
-        Ok(Latencies::kept(buckets, Arc::clone(&kept.records)))
+        Ok(Latencies::of(buckets, Arc::clone(&self.records)))
     }
 }
 
@@ -137,15 +144,6 @@ impl Progress {
     }
 }
 
-/// Figures in the file of a service.
-#[derive(Debug)]
-struct Kept {
-    file: File,
-    names: Arc<Shared<Names>>,
-    /// False while the process stands by.
-    records: Arc<AtomicBool>,
-}
-
 /// The place of `name` among these.
 fn slot(names: &[AtomicU64], name: &str) -> io::Result<usize> {
     // Never 0, which is not a name.
@@ -158,38 +156,22 @@ fn slot(names: &[AtomicU64], name: &str) -> io::Result<usize> {
 }
 
 /// A count that goes on over all processes of a service in realtime.
-#[derive(Debug, Default)]
-pub struct Count(Place);
-
 #[derive(Debug)]
-enum Place {
-    Own(u64),
-    Kept { names: Arc<Shared<Names>>, slot: usize, records: Arc<AtomicBool> },
-}
-
-impl Default for Place {
-    fn default() -> Self {
-        Self::Own(0)
-    }
+pub struct Count {
+    names: Arc<Shared<Names>>,
+    slot: usize,
+    records: Arc<AtomicBool>,
 }
 
 impl Count {
     pub fn add(&mut self, more: u64) {
-        match &mut self.0 {
-            Place::Own(count) => *count += more,
-            Place::Kept { names, slot, records } => {
-                if records.load(Ordering::Relaxed) {
-                    names.values[*slot].fetch_add(more, Ordering::Relaxed);
-                }
-            }
+        if self.records.load(Ordering::Relaxed) {
+            self.names.values[self.slot].fetch_add(more, Ordering::Relaxed);
         }
     }
 
     pub fn get(&self) -> u64 {
-        match &self.0 {
-            Place::Own(count) => *count,
-            Place::Kept { names, slot, .. } => names.values[*slot].load(Ordering::Relaxed),
-        }
+        self.names.values[self.slot].load(Ordering::Relaxed)
     }
 }
 

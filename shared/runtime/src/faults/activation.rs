@@ -1,6 +1,6 @@
 //! Choice of the faults that act on a message, and their counts.
 
-use messages::{Drive, EgoTruth, Message, Service, Topic};
+use messages::{EgoTruth, Message, Role, Service, Topic};
 use scenario::Scenario;
 use scenario::faults::{Effect, Falsification, Fault, Target};
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,6 @@ pub struct FaultStatistics {
     pub fault: u32,
     /// Time when it began, ns of run time.
     pub begun_ns: i64,
-    /// Messages.
     pub messages: u64,
     /// Messages that it corrupted and a receiver took for intact.
     #[serde(default)]
@@ -124,11 +123,11 @@ impl Faults {
     }
 
     /// Begins the faults whose condition the drive fulfils.
-    pub(crate) fn observe(&self, drive: impl FnOnce() -> Option<Drive>, now_ns: i64) {
+    pub(crate) fn observe<'a>(&self, drive: impl FnOnce() -> Option<&'a EgoTruth>, now_ns: i64) {
         let mut entries = self.entries.borrow_mut();
         let mut waiting = entries.iter_mut().filter(|entry| entry.begun_ns.is_none()).peekable();
         let Some(drive) = waiting.peek().is_some().then(drive).flatten() else { return };
-        for entry in waiting.filter(|entry| entry.fault.begin.is_met(&drive)) {
+        for entry in waiting.filter(|entry| entry.fault.begin.is_met(drive)) {
             entry.begun_ns = Some(now_ns);
         }
     }
@@ -143,7 +142,7 @@ impl Faults {
         now_ns: i64,
         mut each: impl FnMut(&F, &Activation),
     ) {
-        if topic.is_truth() {
+        if topic.role() == Role::Truth {
             return;
         }
         for entry in self.entries.borrow_mut().iter_mut() {
@@ -187,7 +186,7 @@ impl Faults {
             let fault = effect.of_senders();
             fault.is_some_and(|fault| matches!(fault.falsification, Falsification::Freeze { .. }))
         };
-        !topic.is_truth()
+        topic.role() != Role::Truth
             && self.entries.borrow().iter().any(|Entry { fault, .. }| {
                 freezes(&fault.effect) && is_aimed(&fault.effect, topic, source)
             })
@@ -204,9 +203,8 @@ impl Faults {
 }
 
 /// State of the drive in a message of the ego's ground truth: what faults can wait for.
-pub(super) fn drive<T: Message>(message: &T) -> Option<Drive> {
-    (T::TOPIC == Topic::EgoTruth)
-        .then(|| Drive::of(bytemuck::from_bytes::<EgoTruth>(bytemuck::bytes_of(message))))
+pub(super) fn drive<T: Message>(message: &T) -> Option<&EgoTruth> {
+    (T::TOPIC == Topic::EgoTruth).then(|| bytemuck::from_bytes(bytemuck::bytes_of(message)))
 }
 
 /// True if the fault is one of messages of `source` on `topic`.

@@ -6,7 +6,6 @@ use scenario::faults::{BiasedField, Effect, Falsification};
 use scenario::quantity::Shift;
 use std::rc::Rc;
 
-/// Falsifies the messages of one publisher.
 #[derive(Debug)]
 pub(crate) struct Falsified<T> {
     faults: Rc<Faults>,

@@ -2,7 +2,7 @@ use super::*;
 use crate::{Clock, Mode};
 use bytemuck::Zeroable;
 use messages::e2e::{Channel, Outcomes, profile7};
-use messages::{Drive, Message, RadarTracks, Service};
+use messages::{EgoTruth, Message, RadarTracks, Service};
 use scenario::Scenario;
 use std::rc::Rc;
 
@@ -15,15 +15,9 @@ fn faults(text: &str) -> Rc<Faults> {
 }
 
 /// An ego there, so fast, that meets nothing.
-fn driving(position_m: f64, speed_mps: f64) -> Drive {
-    Drive {
-        position_m,
-        speed_mps,
-        acceleration_mps2: 0.0,
-        time_to_collision_s: f64::INFINITY,
-        red_line_m: f64::INFINITY,
-        cut_in: false,
-    }
+fn driving(position_m: f64, speed_mps: f64) -> EgoTruth {
+    let time_to_collision_s = f64::INFINITY;
+    EgoTruth { position_m, speed_mps, time_to_collision_s, ..EgoTruth::zeroed() }
 }
 
 fn statistics(faults: &Faults) -> Vec<FaultStatistics> {
@@ -135,10 +129,11 @@ fn a_condition_begins_the_fault_once_it_holds() {
                 when = { position_above_m = 50, speed_below_mps = 10 }";
     let faults = faults(text);
     let (mut channel, clock) = channel(&faults);
-    faults.observe(|| Some(driving(60.0, 11.0)), 0);
+    let (fast, slow) = (driving(60.0, 11.0), driving(60.0, 9.0));
+    faults.observe(|| Some(&fast), 0);
     assert!(channel.passes(&message(1)), "not begun: it passes at once");
-    faults.observe(|| Some(driving(60.0, 9.0)), 1);
-    faults.observe(|| Some(driving(60.0, 12.0)), 2);
+    faults.observe(|| Some(&slow), 1);
+    faults.observe(|| Some(&fast), 2);
     clock.set_simulated(2);
     assert!(!channel.passes(&message(2)));
     assert!(channel.hand_over().is_none(), "begun at 1, though the condition holds no more");

@@ -16,7 +16,6 @@ const SHOWN: usize = 40;
 /// Misbehaviour of a program.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub(super) enum ChannelError {
-    /// It ended, or closed its output.
     #[error("ended")]
     Closed,
     /// Its act, behind the program's name.

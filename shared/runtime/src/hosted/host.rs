@@ -17,7 +17,6 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Failures of a program that are kept.
 const MAX_FAILURES: usize = 8;
 
 /// Request of the control loop.
@@ -35,7 +34,6 @@ type News<Q, A> = Result<Box<Channel<Q, A>>, HostError>;
 /// Record of all programs so far.
 #[derive(Clone, Debug, Default)]
 pub struct Life {
-    /// Times that it was started.
     pub starts: u64,
     pub failures: Vec<String>,
     /// It failed too often and was not started again.
@@ -52,7 +50,6 @@ pub(super) struct Host<Q, A> {
 }
 
 impl<Q: Pod + Send, A: Pod + Send> Host<Q, A> {
-    /// Starts the thread, which starts the program.
     pub(super) fn start(plan: Plan, proof: Proof<Q, A>) -> Result<Self, HostError> {
         let (orders, inbox) = channel();
         let (outbox, news) = channel();
@@ -234,9 +231,6 @@ impl Restarts {
             return None;
         }
         self.0.push_back(now);
-        let doublings = u32::try_from(row).unwrap_or(u32::MAX).saturating_sub(1).min(30);
-        let wait_ms = u64::from(policy.backoff_ms.value()).saturating_mul(1 << doublings);
-        let wait_ms = wait_ms.min(policy.max_backoff_ms.value().into());
-        Some(if row == 0 { Duration::ZERO } else { Duration::from_millis(wait_ms) })
+        Some(policy.backoff(row))
     }
 }

@@ -31,16 +31,13 @@ const RESERVE: f64 = 0.1;
 pub struct Proof<Q, A> {
     /// Number 1; it asks the program to begin anew.
     pub question: Q,
-    /// Fault of an answer.
     pub check: fn(&A) -> Result<(), String>,
     /// Service whose scheduling the program gets a share of.
     pub service: Service,
 }
 
-/// Result of a question.
 #[derive(Debug)]
 pub enum Reply<A> {
-    /// The answer is there.
     Answer(Box<A>),
     /// It is not there in time.
     Late,
@@ -80,7 +77,6 @@ impl<Q: Pod + Send, A: Pod + Send> Hosting<Q, A> {
         self.channel.as_ref().is_some_and(|channel| channel.unanswered_since().is_none())
     }
 
-    /// True if it was started.
     pub fn is_started(&self) -> bool {
         self.host.is_some()
     }

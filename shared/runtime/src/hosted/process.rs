@@ -28,7 +28,6 @@ const LAST_WORDS: usize = 3;
 pub struct Plan {
     /// The part that it computes, in a word: `law`.
     pub part: &'static str,
-    /// Its name and its arguments.
     pub command: Vec<String>,
     /// Variables of its environment, beside this process's own.
     pub variables: Vec<(String, String)>,
@@ -37,7 +36,6 @@ pub struct Plan {
     pub patience: Duration,
     /// Time for which it may owe an answer in real time.
     pub silence: Duration,
-    /// Budget of restarts.
     pub supervision: Supervision,
 }
 
@@ -49,7 +47,6 @@ impl Plan {
     }
 }
 
-/// A program that runs.
 pub(super) struct Process {
     child: Child,
     words: Arc<Mutex<VecDeque<String>>>,

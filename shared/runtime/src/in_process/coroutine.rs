@@ -51,12 +51,10 @@ impl Drop for Running<'_> {
     }
 }
 
-/// End of a turn of a task.
 #[derive(Debug)]
 pub(crate) enum Turn {
     Waits,
     Done(Result<(), RuntimeError>),
-    /// It panicked, with this message.
     Panicked(String),
 }
 

@@ -8,7 +8,7 @@ pub mod coroutine;
 use self::coroutine::{Pause, Task, Turn};
 use crate::life::link::{Desk, End, Link};
 use crate::transport::{Bus, Sealing, Seat};
-use crate::{FromService, Group, Mode, Observer, Runtime, RuntimeError, StartOrder, Timetable};
+use crate::{FromService, Group, Guest, Mode, Runtime, RuntimeError, StartOrder, Timetable};
 use messages::Service;
 use scenario::Scenario;
 use std::path::PathBuf;
@@ -116,8 +116,8 @@ impl InProcess {
     }
 
     /// A listener. It must be drained between turns, or the services wait for it.
-    pub fn observer(&self) -> Observer {
-        Observer::at(Seat::new(Rc::clone(&self.bus), None))
+    pub fn observer(&self) -> Guest {
+        Guest::at(Seat::new(Rc::clone(&self.bus), None), self.group.timetable)
     }
 
     /// Adds a service, which does `entry`.

@@ -35,7 +35,6 @@ pub struct StartOrder {
 pub enum ToService {
     /// Take part: for a process that was started ahead.
     Join,
-    /// Begin.
     Start(StartOrder),
     /// End after the releases of this step; in realtime, at once.
     StopAfter(u64),
@@ -43,7 +42,6 @@ pub enum ToService {
     Inject(Injected),
     /// Bring the vehicle to a stop in lane and end: for the plant.
     SafeStop,
-    /// End at once.
     Abort,
 }
 
@@ -107,7 +105,6 @@ pub struct Link {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Orders {
     pub(crate) end: End,
-    /// A process joined the group.
     pub(crate) joined: Arc<AtomicBool>,
     /// The vehicle is to be brought to a stop.
     pub(crate) safe_stop: Arc<AtomicBool>,

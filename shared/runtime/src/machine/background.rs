@@ -6,7 +6,7 @@
 //! same run gives the same bytes. Its time does not count there.
 
 use crate::counts::statistics::{Latencies, Percentiles};
-use crate::{Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};
+use crate::{Count, Figures, Mode, Release, Runtime, RuntimeError, monotonic_ns};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -14,7 +14,6 @@ use std::thread::JoinHandle;
 /// Counts of a [`BackgroundWorker`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkerReport {
-    /// Questions.
     pub asked: u64,
     /// Answers that were not there when they were due.
     pub late: u64,
@@ -24,7 +23,6 @@ pub struct WorkerReport {
     pub worked_us: Option<Percentiles>,
 }
 
-/// Answers a question.
 type Work<Q, A> = Box<dyn FnMut(&Q) -> A>;
 
 /// A thread that answers questions of type `Q` with `A`.
@@ -58,39 +56,45 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        let mut this = match runtime.clock().mode() {
-            Mode::Realtime => Self::in_thread(name, delay_ns, work)?,
-            Mode::Lockstep => Self::inline(delay_ns, work),
-        };
-        let figures = runtime.figures();
-        this.asked = figures.count("asked")?;
-        this.late = figures.count("late_plans")?;
-        this.worked = figures.latencies("plan")?;
+        match runtime.clock().mode() {
+            Mode::Realtime => Self::in_thread(runtime.figures(), name, delay_ns, work),
+            Mode::Lockstep => Self::inline(runtime.figures(), delay_ns, work),
+        }
+    }
+
+    fn new(figures: &Figures, delay_ns: i64) -> Result<Self, RuntimeError> {
+        let (question, answer) = (Mutex::new(None), Mutex::new(None));
+        let (asked, closed) = (Condvar::new(), AtomicBool::new(false));
+        Ok(Self {
+            shared: Arc::new(Shared { question, asked, answer, closed }),
+            thread: None,
+            inline: None,
+            delay_ns,
+            due_ns: None,
+            counted_late: false,
+            asked: figures.count("asked")?,
+            late: figures.count("late_plans")?,
+            worked: figures.latencies("plan")?,
+        })
+    }
+
+    fn inline(
+        figures: &Figures,
+        delay_ns: i64,
+        work: impl FnMut(&Q) -> A + 'static,
+    ) -> Result<Self, RuntimeError> {
+        let mut this = Self::new(figures, delay_ns)?;
+        this.inline = Some(Box::new(work));
         Ok(this)
     }
 
-    fn new(delay_ns: i64) -> Self {
-        let (asked, late, worked) = Default::default();
-        let (question, answer) = (Mutex::new(None), Mutex::new(None));
-        let (condition, closed) = (Condvar::new(), AtomicBool::new(false));
-        let shared = Arc::new(Shared { question, asked: condition, answer, closed });
-        let (thread, inline, due_ns) = (None, None, None);
-        let counted_late = false;
-        Self { shared, thread, inline, delay_ns, due_ns, counted_late, asked, late, worked }
-    }
-
-    fn inline(delay_ns: i64, work: impl FnMut(&Q) -> A + 'static) -> Self {
-        let mut this = Self::new(delay_ns);
-        this.inline = Some(Box::new(work));
-        this
-    }
-
     fn in_thread(
+        figures: &Figures,
         name: &str,
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        let mut this = Self::new(delay_ns);
+        let mut this = Self::new(figures, delay_ns)?;
         let theirs = Arc::clone(&this.shared);
         let thread = std::thread::Builder::new().name(name.into());
         let thread = thread.spawn(move || theirs.serve(work));
@@ -220,7 +224,8 @@ mod tests {
             std::thread::sleep(Duration::from_millis(5));
             2 * x
         };
-        let mut worker = BackgroundWorker::inline(DELAY_NS, slow);
+        let mut worker =
+            BackgroundWorker::inline(&Figures::default(), DELAY_NS, slow).expect("room");
         let mut heard = Vec::new();
         for cycle in 0..6 {
             let release = release(100 * cycle);
@@ -238,11 +243,13 @@ mod tests {
     #[test]
     fn in_realtime_a_late_answer_is_counted_once_and_taken_when_it_comes() {
         let (go, wait) = channel::<()>();
-        let mut worker = BackgroundWorker::in_thread("slow", DELAY_NS, move |x: &u32| {
+        let work = move |x: &u32| {
             let _ = wait.recv();
             *x
-        })
-        .expect("a thread");
+        };
+        let figures = Figures::default();
+        let worker = BackgroundWorker::in_thread(&figures, "slow", DELAY_NS, work);
+        let mut worker = worker.expect("a thread");
         // The thread may just be looking for a question.
         while worker.ask(&release(0), 7).is_err() {}
         assert_eq!(worker.ask(&release(0), 8), Err(8), "one question at a time");
@@ -259,7 +266,10 @@ mod tests {
 
     #[test]
     fn a_thread_that_died_is_not_waited_for() {
-        let mut worker = BackgroundWorker::in_thread("dies", DELAY_NS, |x: &u32| 1 / (*x - *x))
+        let mut worker =
+            BackgroundWorker::in_thread(&Figures::default(), "dies", DELAY_NS, |x: &u32| {
+                1 / (*x - *x)
+            })
             .expect("a thread");
         while worker.ask(&release(0), 7).is_err() {}
         assert_eq!(worker.answer(&release(200)), None);

@@ -6,7 +6,6 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// A program of the user's.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Program {
     /// Name of the file that was written for the purpose, without its directory and its ending.
@@ -24,7 +23,6 @@ pub struct Program {
 #[error("{message}, expected {expected}")]
 pub struct ProgramError {
     pub message: String,
-    /// The right form.
     pub expected: &'static str,
 }
 

@@ -21,7 +21,6 @@ pub const TIMER_SLACK: &str = "timer slack of 1 ns";
 /// The request for memory that stays where it is.
 pub const LOCKED_MEMORY: &str = "locked memory";
 
-/// Scheduling policy of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {
     /// `SCHED_FIFO` with this priority, 1 to 99.
@@ -42,9 +41,7 @@ impl fmt::Display for Policy {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
     pub policy: Policy,
-    /// Core to be pinned to.
     pub core: Option<usize>,
-    /// True to lock all memory.
     pub lock_memory: bool,
 }
 
@@ -257,7 +254,6 @@ pub fn set_deadline(runtime_ns: u64, period_ns: u64) -> io::Result<()> {
     }
 }
 
-/// Pins the calling thread to `core`.
 pub fn pin_to(core: usize) -> io::Result<()> {
     pin(None, core)
 }

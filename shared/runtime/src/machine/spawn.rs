@@ -3,13 +3,22 @@
 #![allow(unsafe_code, reason = "code between fork and exec is unsafe by its nature")]
 
 use rustix::io::{FdFlags, fcntl_setfd};
+use rustix::net::{
+    AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
+    SendAncillaryMessage, SendFlags, SocketFlags, SocketType, connect, recvmsg, sendmsg,
+    socket_with,
+};
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
-use std::io;
-use std::net::TcpStream;
-use std::os::fd::{AsRawFd, BorrowedFd, FromRawFd, OwnedFd, RawFd};
+use std::io::{self, IoSlice, IoSliceMut};
+use std::mem::MaybeUninit;
+use std::net::{Ipv4Addr, SocketAddrV4, TcpStream};
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd};
 use std::os::unix::net::UnixDatagram;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
+
+/// Room for the one descriptor that a message carries.
+const SPACE: usize = rustix::cmsg_space!(ScmRights(1));
 
 /// Makes `command` inherit its standard streams and `keep`, and no other descriptor. iceoryx2's are not close-on-exec,
 /// and a stray one would keep a dead run's lock.
@@ -52,7 +61,7 @@ impl OwnNetwork {
         unsafe {
             command.pre_exec(move || {
                 if let Some(socket) = enter_own_network() {
-                    send_descriptor(sender.as_raw_fd(), socket);
+                    send_descriptor(&sender, &socket);
                 }
                 Ok(())
             });
@@ -66,89 +75,50 @@ impl OwnNetwork {
     /// While it does not listen yet.
     pub fn connect(&mut self, port: u16) -> io::Result<Option<TcpStream>> {
         if self.socket.is_none() {
-            self.socket = receive_descriptor(self.receiver.as_raw_fd());
+            self.socket = receive_descriptor(&self.receiver);
         }
         let Some(socket) = &self.socket else { return Ok(None) };
-        let address = libc::sockaddr_in {
-            sin_family: libc::AF_INET as libc::sa_family_t,
-            sin_port: port.to_be(),
-            sin_addr: libc::in_addr { s_addr: u32::from_ne_bytes([127, 0, 0, 1]) },
-            sin_zero: [0; 8],
-        };
-        let size = size_of_val(&address) as libc::socklen_t;
-        // SAFETY: the address is a whole `sockaddr_in`, and the socket is open.
-        let result =
-            unsafe { libc::connect(socket.as_raw_fd(), (&raw const address).cast(), size) };
-        if result != 0 {
-            return Err(io::Error::last_os_error());
-        }
+        connect(socket, &SocketAddrV4::new(Ipv4Addr::LOCALHOST, port))?;
         Ok(self.socket.take().map(TcpStream::from))
     }
 }
 
 /// Moves this process, between fork and exec, to a network of its own; a socket in it.
-fn enter_own_network() -> Option<RawFd> {
-    // SAFETY: system calls on plain structs of this frame.
-    unsafe {
-        let alone = libc::CLONE_NEWNET;
-        if libc::unshare(alone) != 0 && libc::unshare(alone | libc::CLONE_NEWUSER) != 0 {
-            return None;
-        }
-        let kind = libc::SOCK_STREAM | libc::SOCK_CLOEXEC;
-        let socket = libc::socket(libc::AF_INET, kind, 0);
-        let mut request: libc::ifreq = std::mem::zeroed();
-        request.ifr_name[0] = b'l' as libc::c_char;
-        request.ifr_name[1] = b'o' as libc::c_char;
-        request.ifr_ifru.ifru_flags = libc::IFF_UP as libc::c_short;
-        let is_up = libc::ioctl(socket, libc::SIOCSIFFLAGS as _, &raw mut request) == 0;
-        is_up.then_some(socket)
+fn enter_own_network() -> Option<OwnedFd> {
+    let alone = libc::CLONE_NEWNET;
+    // SAFETY: the process has one thread, and keeps its files and memory.
+    if unsafe { libc::unshare(alone) != 0 && libc::unshare(alone | libc::CLONE_NEWUSER) != 0 } {
+        return None;
     }
-}
-
-/// Room for the one descriptor that a message carries.
-#[repr(C, align(8))]
-struct Carried([u8; 64]);
-
-/// A message of one byte, with room for a descriptor.
-fn message(byte: &mut libc::iovec, carried: &mut Carried) -> libc::msghdr {
+    let (family, kind) = (AddressFamily::INET, SocketType::STREAM);
+    let socket = socket_with(family, kind, SocketFlags::CLOEXEC, None).ok()?;
     // SAFETY: a struct of numbers and pointers, for which zeros are valid.
-    let mut message: libc::msghdr = unsafe { std::mem::zeroed() };
-    (message.msg_iov, message.msg_iovlen) = (byte, 1);
-    message.msg_control = carried.0.as_mut_ptr().cast();
-    // SAFETY: arithmetic.
-    message.msg_controllen = unsafe { libc::CMSG_SPACE(size_of::<RawFd>() as u32) } as _;
-    message
+    let mut request: libc::ifreq = unsafe { std::mem::zeroed() };
+    request.ifr_name[0] = b'l' as libc::c_char;
+    request.ifr_name[1] = b'o' as libc::c_char;
+    request.ifr_ifru.ifru_flags = libc::IFF_UP as libc::c_short;
+    // SAFETY: the call reads the struct of this frame.
+    let up = unsafe { libc::ioctl(socket.as_raw_fd(), libc::SIOCSIFFLAGS as _, &raw mut request) };
+    (up == 0).then_some(socket)
 }
 
-fn send_descriptor(sender: RawFd, socket: RawFd) {
-    let (mut word, mut carried) = ([0_u8], Carried([0; 64]));
-    let mut byte = libc::iovec { iov_base: word.as_mut_ptr().cast(), iov_len: 1 };
-    let message = message(&mut byte, &mut carried);
-    // SAFETY: the header points into `carried`, which has room for one descriptor.
-    unsafe {
-        let header = libc::CMSG_FIRSTHDR(&raw const message);
-        (*header).cmsg_level = libc::SOL_SOCKET;
-        (*header).cmsg_type = libc::SCM_RIGHTS;
-        (*header).cmsg_len = libc::CMSG_LEN(size_of::<RawFd>() as u32) as _;
-        libc::CMSG_DATA(header).cast::<RawFd>().write_unaligned(socket);
-        libc::sendmsg(sender, &raw const message, 0);
-    }
+fn send_descriptor(sender: &UnixDatagram, socket: &OwnedFd) {
+    let (mut space, sockets) = ([MaybeUninit::uninit(); SPACE], [socket.as_fd()]);
+    let mut carried = SendAncillaryBuffer::new(&mut space);
+    carried.push(SendAncillaryMessage::ScmRights(&sockets));
+    // The other end waits for nothing.
+    let _ = sendmsg(sender, &[IoSlice::new(&[0])], &mut carried, SendFlags::empty());
 }
 
-fn receive_descriptor(receiver: RawFd) -> Option<OwnedFd> {
-    let (mut word, mut carried) = ([0_u8], Carried([0; 64]));
-    let mut byte = libc::iovec { iov_base: word.as_mut_ptr().cast(), iov_len: 1 };
-    let mut message = message(&mut byte, &mut carried);
-    // SAFETY: the kernel writes at most the room that the message names, and the descriptor that it hands over is ours.
-    unsafe {
-        if libc::recvmsg(receiver, &raw mut message, libc::MSG_CMSG_CLOEXEC) < 0 {
-            return None;
-        }
-        let header = libc::CMSG_FIRSTHDR(&raw const message);
-        let is_descriptor = !header.is_null() && (*header).cmsg_type == libc::SCM_RIGHTS;
-        is_descriptor
-            .then(|| OwnedFd::from_raw_fd(libc::CMSG_DATA(header).cast::<RawFd>().read_unaligned()))
-    }
+fn receive_descriptor(receiver: &UnixDatagram) -> Option<OwnedFd> {
+    let (mut space, mut byte) = ([MaybeUninit::uninit(); SPACE], [0]);
+    let mut carried = RecvAncillaryBuffer::new(&mut space);
+    let bytes = &mut [IoSliceMut::new(&mut byte)];
+    recvmsg(receiver, bytes, &mut carried, RecvFlags::CMSG_CLOEXEC).ok()?;
+    carried.drain().find_map(|message| match message {
+        RecvAncillaryMessage::ScmRights(mut sockets) => sockets.next(),
+        _ => None,
+    })
 }
 
 /// Makes the kernel kill the process of `command` when the thread that starts it ends, whatever ends it.
@@ -165,5 +135,39 @@ pub fn die_with_this_thread(command: &mut Command) {
                 Err(std::io::Error::from_raw_os_error(libc::ECHILD))
             }
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Accepts one connection to the port of its argument.
+    const SERVER: &str = "import socket, sys\n\
+        socket.create_server((\"127.0.0.1\", int(sys.argv[1]))).accept()[0].sendall(b\"in\")";
+
+    #[test]
+    fn a_process_in_its_own_network_is_reached_through_its_socket_alone() {
+        const PORT: u16 = 47_123;
+        let mut command = Command::new("python3");
+        command.args(["-c", SERVER, &PORT.to_string()]);
+        let mut network = OwnNetwork::of(&mut command).expect("a pair of sockets");
+        die_with_this_thread(&mut command);
+        let Ok(mut child) = command.spawn() else { return };
+        let found = loop {
+            match network.connect(PORT) {
+                Ok(found) => break found,
+                Err(_) => assert!(child.try_wait().expect("ours").is_none(), "it listens"),
+            }
+        };
+        // A kernel may refuse a network.
+        if let Some(mut stream) = found {
+            assert!(TcpStream::connect(("127.0.0.1", PORT)).is_err(), "it is not of this network");
+            let mut said = String::new();
+            io::Read::read_to_string(&mut stream, &mut said).expect("it answers");
+            assert_eq!(said, "in");
+        }
+        let _ = child.kill();
+        child.wait().expect("ours");
     }
 }

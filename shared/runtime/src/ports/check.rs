@@ -15,7 +15,6 @@ const SILENCE: f64 = 1.5;
 /// Expected period of messages of a topic in a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Expected {
-    /// The service that sends them.
     pub(crate) source: Service,
     /// Steps between two of its releases.
     pub(crate) stride: u64,
@@ -23,7 +22,6 @@ pub(crate) struct Expected {
     pub(crate) period_ns: i64,
 }
 
-/// The checks of one receiving end.
 #[derive(Debug)]
 pub(crate) struct Check {
     /// The members of the group and their epochs. `None` in the memory of one process, in which each sender is known

@@ -6,7 +6,7 @@
 use super::{Check, Publisher, Seal, Subscriber, Tally};
 use crate::life::link::End;
 use crate::survival::fence::Gate;
-use crate::transport::waking::{Waiter, Waker};
+use crate::transport::waking::Waker;
 use crate::transport::{Held, Ipc, Receiver, Seat, Sender, SharedMemory, Transport, Wanted};
 use crate::{Clock, Group, Mode, RuntimeError, Timetable, TransportError};
 use iceoryx2::prelude::ServiceName;
@@ -17,38 +17,10 @@ use std::marker::PhantomData;
 use std::rc::Rc;
 use std::time::Duration;
 
-/// A listener in a running group: the launcher.
-#[derive(Debug)]
-pub struct Observer(Transport);
-
-impl Observer {
-    pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
-        SharedMemory::join(group, name).map(Transport::SharedMemory).map(Self)
-    }
-
-    /// A listener in the process of a run.
-    pub(crate) fn at(seat: Seat) -> Self {
-        Self(Transport::Memory(seat))
-    }
-
-    /// Removes what dead processes left on the topics, so that no sender waits for them.
-    pub fn remove_dead(&self) {
-        self.0.remove_dead();
-    }
-
-    /// Listens to `T`'s topic from now on.
-    pub fn listen<T: Message>(&self) -> Result<Subscriber<T>, RuntimeError> {
-        let (port, tally) = (self.0.receiver(T::TOPIC, Wanted::Every)?, Rc::default());
-        // Faults act on the channels of services alone.
-        let check = Check::new(self.0.peers(), self.0.peers().is_some(), Rc::clone(&tally));
-        Ok(Subscriber::new(port, None, None, check, tally))
-    }
-}
-
-/// A process of a group that is not a service.
+/// A process of a group that is not a service, or the caller of a run in its own process.
 #[derive(Debug)]
 pub struct Guest {
-    node: SharedMemory,
+    transport: Transport,
     mode: Mode,
     timetable: Timetable,
 }
@@ -56,38 +28,45 @@ pub struct Guest {
 impl Guest {
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         let &Group { mode, timetable, .. } = group;
-        Ok(Self { node: SharedMemory::join(group, name)?, mode, timetable })
+        let transport = Transport::SharedMemory(SharedMemory::join(group, name)?);
+        Ok(Self { transport, mode, timetable })
+    }
+
+    /// A listener in the process of a run.
+    pub(crate) fn at(seat: Seat, timetable: Timetable) -> Self {
+        Self { transport: Transport::Memory(seat), mode: Mode::Lockstep, timetable }
     }
 
     /// Begins to open an iceoryx2 service that is not a topic.
+    ///
+    /// # Panics
+    /// In the process of a run, which has no such services.
     pub fn service(&self, name: &ServiceName) -> Builder<Ipc> {
-        self.node.service(name)
+        match &self.transport {
+            Transport::SharedMemory(node) => node.service(name),
+            Transport::Memory(_) => panic!("a process of a group opens services of iceoryx2"),
+        }
     }
 
-    /// Removes what dead processes left on all topics.
+    /// Removes what dead processes left on all topics, so that no sender waits for them.
     pub fn remove_dead(&self) {
-        self.node.remove_dead();
+        self.transport.remove_dead();
     }
 
     /// Wakes those who wait for `topic`, and waits for it.
+    ///
+    /// # Panics
+    /// In the process of a run, in which services wait for their turns.
     pub fn waker(&self, topic: Topic) -> Waker {
-        Waker::new(&self.node.peers.words, topic)
-    }
-
-    fn sender(&self, topic: Topic) -> Result<Rc<Sender>, RuntimeError> {
-        Ok(Rc::new(Sender::SharedMemory(self.node.sender(topic, End::default())?)))
-    }
-
-    fn receiver(&self, topic: Topic) -> Result<Rc<Receiver>, RuntimeError> {
-        Ok(Rc::new(Receiver::SharedMemory(self.node.receiver(topic)?)))
+        self.transport.waker(topic).expect("processes wake each other")
     }
 
     /// The sending end of `T`'s topic, as `source` has it.
     pub fn publisher<T: Message>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
         let &Self { mode, timetable, .. } = self;
         Ok(Publisher::new(Seal {
-            port: self.sender(T::TOPIC)?,
-            waker: Some((self.waker(T::TOPIC), timetable)),
+            port: self.transport.sender(T::TOPIC, End::default())?,
+            waker: self.transport.waker(T::TOPIC).map(|waker| (waker, timetable)),
             falsified: None,
             protects: true,
             clock: Rc::new(Clock::new(mode, timetable.step_ns)),
@@ -99,12 +78,14 @@ impl Guest {
         }))
     }
 
-    /// The receiving end of `T`'s topic, as a service that it releases has it.
+    /// The receiving end of `T`'s topic, as a service that it releases has it. In the process of a run it cannot wait.
     pub fn subscriber<T: Message>(&self) -> Result<Subscriber<T>, RuntimeError> {
-        let tally = Rc::default();
-        let check = Check::new(Some(&self.node.peers), true, Rc::clone(&tally));
-        let waiter = Some(Waiter::Futex(self.waker(T::TOPIC)));
-        Ok(Subscriber::new(self.receiver(T::TOPIC)?, waiter, None, check, tally))
+        let (peers, tally) = (self.transport.peers(), Rc::default());
+        let waiter = peers.map(|_| self.transport.waiter(T::TOPIC));
+        // Faults act on the channels of services alone.
+        let check = Check::new(peers, peers.is_some(), Rc::clone(&tally));
+        let port = self.transport.receiver(T::TOPIC, Wanted::Every)?;
+        Ok(Subscriber::new(port, waiter, None, check, tally))
     }
 
     /// Waits for samples of `T`'s topic, at most for `timeout`, and hands all to `each`.
@@ -129,14 +110,14 @@ impl Guest {
 
     /// Taps `T`'s topic from now on: each message as it was sent, unchecked.
     pub fn tap<T: Message>(&self) -> Result<Tapped<T>, RuntimeError> {
-        let port = self.receiver(T::TOPIC)?;
+        let port = self.transport.receiver(T::TOPIC, Wanted::Every)?;
         Ok(Tapped { held: RefCell::new(port.room()), port })
     }
 
     /// Opens the sending end of `T`'s topic for messages that are complete.
     pub fn player<T: Message>(&self) -> Result<Played<T>, RuntimeError> {
-        let (port, waker) = (self.sender(T::TOPIC)?, self.waker(T::TOPIC));
-        Ok(Played { port, waker, message: PhantomData })
+        let port = self.transport.sender(T::TOPIC, End::default())?;
+        Ok(Played { port, waker: self.waker(T::TOPIC), message: PhantomData })
     }
 }
 

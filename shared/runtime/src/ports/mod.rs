@@ -20,7 +20,7 @@ mod subscriber;
 pub(super) use check::{Check, Expected};
 pub use publisher::Publisher;
 pub(super) use publisher::{Backlog, Seal};
-pub(super) use registry::Ports;
+pub(super) use registry::{Opened, Ports};
 pub use subscriber::Subscriber;
 
 use crate::report::{ReceivedTopic, SentTopic};
@@ -29,9 +29,6 @@ use messages::e2e::Outcomes;
 use std::cell::RefCell;
 use std::rc::Rc;
 use xxhash_rust::xxh3::Xxh3Default;
-
-/// A topic with the counts of a port.
-pub(crate) type Counted = (Topic, Rc<RefCell<Tally>>);
 
 /// Counts of a port, shared with the runtime that reports them.
 #[derive(Default)]

@@ -182,18 +182,11 @@ impl<T: Message> Subscriber<T> {
         end: &End,
         patience: Duration,
     ) -> Result<(), RuntimeError> {
-        let mut since = None;
-        loop {
-            let ticket = self.ticket();
-            self.drain_to(step, |_| {})?;
-            if self.arrived_step.is_some_and(|arrived| arrived >= due) {
-                return Ok(());
-            }
-            if end.is_before(step) {
-                return Err(RuntimeError::Stopped);
-            }
-            self.wait_for(due, ticket, &mut since, patience)?;
-        }
+        let look = |port: &mut Self| {
+            port.drain_to(step, |_| {})?;
+            Ok(port.arrived_step.is_some_and(|arrived| arrived >= due))
+        };
+        self.wait_until(look, due, || end.is_before(step), patience)
     }
 
     /// Waits for the very sample that `origin` names, and takes nothing else; keeps the newest one
@@ -210,42 +203,48 @@ impl<T: Message> Subscriber<T> {
         if !origin.is_some() || named(self.origin()) {
             return Ok(());
         }
+        let look = |port: &mut Self| {
+            while port.port.receive(&mut port.incoming).map_err(refused::<T>)?.is_some() {
+                let sent = port.incoming.get().map(|sample| Origin::of(sample.header()));
+                if let Some(sent) = sent.filter(|sent| named(*sent)) {
+                    port.check.move_back(&mut port.incoming);
+                    port.keep(sent);
+                    return Ok(true);
+                }
+            }
+            Ok(false)
+        };
+        self.wait_until(look, step, || end.is_now(), patience)
+    }
+
+    /// Waits until `look` finds what it looks for, a sample of `step`; an error when that has lasted for too long.
+    fn wait_until(
+        &mut self,
+        look: impl Fn(&mut Self) -> Result<bool, RuntimeError>,
+        step: u64,
+        is_over: impl Fn() -> bool,
+        patience: Duration,
+    ) -> Result<(), RuntimeError> {
         let mut since = None;
         loop {
             let ticket = self.ticket();
-            while self.port.receive(&mut self.incoming).map_err(refused::<T>)?.is_some() {
-                let sent = self.incoming.get().map(|sample| Origin::of(sample.header()));
-                if let Some(sent) = sent.filter(|sent| named(*sent)) {
-                    self.check.move_back(&mut self.incoming);
-                    self.keep(sent);
-                    return Ok(());
-                }
+            if look(self)? {
+                return Ok(());
             }
-            if end.is_now() {
+            if is_over() {
                 return Err(RuntimeError::Stopped);
             }
-            self.wait_for(step, ticket, &mut since, patience)?;
+            let waited = match self.waiter().is_in_process() {
+                // The turns of a thread show when a wait cannot end.
+                true => Duration::ZERO,
+                false => since.get_or_insert_with(Instant::now).elapsed(),
+            };
+            if waited > patience || self.waiter().is_in_vain() {
+                let waited_s = waited.as_secs_f64();
+                return Err(RuntimeError::Starved(T::TOPIC, step, waited_s));
+            }
+            self.wait(ticket, Duration::from_millis(20))?;
         }
-    }
-
-    /// Waits a while for a sample of `step`; an error when that has lasted for too long.
-    fn wait_for(
-        &self,
-        step: u64,
-        ticket: u32,
-        since: &mut Option<Instant>,
-        patience: Duration,
-    ) -> Result<(), RuntimeError> {
-        let waited = match self.waiter().is_in_process() {
-            // The turns of a thread show when a wait cannot end.
-            true => Duration::ZERO,
-            false => since.get_or_insert_with(Instant::now).elapsed(),
-        };
-        if waited > patience || self.waiter().is_in_vain() {
-            let waited_s = waited.as_secs_f64();
-            return Err(RuntimeError::Starved(T::TOPIC, step, waited_s));
-        }
-        self.wait(ticket, Duration::from_millis(20))
     }
 
     /// To be taken before a look at the topic that may end in a wait.

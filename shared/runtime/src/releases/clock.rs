@@ -100,7 +100,8 @@ impl Clock {
         self.mode
     }
 
-    pub(crate) fn sleep_until_run_time(&self, run_time_ns: i64) {
-        sleep_until(self.start_ns.get() + run_time_ns);
+    /// Sleeps until the scheduled instant of `step`, or a signal.
+    pub(crate) fn sleep_until(&self, step: u64) {
+        sleep_until(self.start_ns.get() + self.scheduled_ns(step));
     }
 }

@@ -15,7 +15,6 @@ pub enum Overrun {
     Skip,
 }
 
-/// One release of a service.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Release {
     pub step: u64,
@@ -29,7 +28,6 @@ pub struct Release {
     pub start_ns: i64,
 }
 
-/// The releases of one service.
 #[derive(Debug)]
 pub(crate) struct Cycles {
     pub(crate) clock: Rc<Clock>,
@@ -42,7 +40,6 @@ pub(crate) struct Cycles {
     /// Cycles run, and releases left out.
     pub(crate) run: u64,
     pub(crate) skipped: u64,
-    /// Lateness of the releases.
     pub(crate) jitter: Latencies,
 }
 
@@ -77,16 +74,10 @@ impl Cycles {
         self.clock.now_ns() - self.clock.scheduled_ns(self.next_step)
     }
 
-    /// Sleeps until the scheduled instant of the next release, or a signal.
-    pub(crate) fn sleep_until_next(&self) {
-        self.clock.sleep_until_run_time(self.clock.scheduled_ns(self.next_step));
-    }
-
     pub(crate) fn period_ns(&self) -> i64 {
         self.timetable.period_ns(self.service)
     }
 
-    /// The step that runs now.
     pub(crate) fn present_step(&self) -> u64 {
         u64::try_from(self.clock.now_ns() / self.timetable.step_ns).unwrap_or(0)
     }

@@ -12,7 +12,6 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// One recorded release.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct ScheduledRelease {
@@ -22,7 +21,6 @@ pub struct ScheduledRelease {
     /// Time when its command was published, ns of run time; the same as `start_ns` without a
     /// command.
     pub publish_ns: i64,
-    /// The samples that it used.
     pub inputs: Origins,
 }
 

@@ -23,9 +23,7 @@ const HEARTBEAT_NS: i64 = 100_000_000;
 /// Result of a cycle for the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cycle {
-    /// It goes on.
     Next,
-    /// It is over.
     Last,
 }
 
@@ -98,8 +96,7 @@ impl Runtime {
         let speaks = !self.is_standby();
         self.survival.figures.show_progress(cycles);
         if let Some(account) = self.survival.account.as_mut().filter(|_| speaks) {
-            let ports = (&*self.ports.sent, &*self.ports.received);
-            account.write(counted, ports, &self.injection.faults)?;
+            account.write(counted, &self.ports, &self.injection.faults)?;
         }
         Ok(())
     }

@@ -47,7 +47,6 @@ pub struct Runtime {
     life: Life,
 }
 
-/// The faults of messages in this service's ports.
 #[derive(Debug)]
 struct Injection {
     faults: Rc<Faults>,
@@ -171,7 +170,6 @@ impl Runtime {
         }
     }
 
-    /// Carrier of this service's messages.
     pub(crate) fn carrier(&self) -> Carrier {
         self.ports.transport.carrier()
     }
@@ -197,7 +195,6 @@ impl Runtime {
         }
     }
 
-    /// Releases left out so far.
     pub fn skipped(&self) -> u64 {
         self.cycles.skipped
     }

@@ -2,7 +2,7 @@
 
 use super::Runtime;
 use crate::faults::{Disturbed, Falsified, Faults};
-use crate::ports::{Check, Expected, Seal, Tally};
+use crate::ports::{Check, Expected, Opened, Seal, Tally};
 use crate::transport::{Carrier, Sealing, Wanted};
 use crate::{Mode, Publisher, RuntimeError, Subscriber};
 use messages::{Message, Topic};
@@ -23,20 +23,20 @@ impl Runtime {
         let waker = transport.waker(T::TOPIC).filter(|_| awaited);
         let is_sealed = transport.sealing() == Sealing::Sealed;
         let tally = Tally::of_sender(is_sealed && self.group.mode == Mode::Lockstep);
-        self.ports.enter_sender(T::TOPIC, &port, &tally);
         let publisher = Publisher::new(Seal {
-            port,
+            port: Rc::clone(&port),
             waker: waker.map(|waker| (waker, self.group.timetable)),
             falsified: self.faults_on(T::TOPIC).map(Falsified::new),
             protects: is_sealed || self.injection.faults.concern(T::TOPIC),
             clock: Rc::clone(&self.cycles.clock),
             source: self.service,
             incarnation: self.incarnation,
-            tally,
+            tally: Rc::clone(&tally),
             gate: Rc::clone(&self.survival.gate),
             held: None,
         });
-        self.ports.enter_backlog(publisher.backlog());
+        self.ports.senders.push(Opened { topic: T::TOPIC, port, tally });
+        self.ports.backlogs.push(publisher.backlog());
         Ok(publisher)
     }
 
@@ -62,7 +62,8 @@ impl Runtime {
         check.expected = self.expected(T::TOPIC);
         let disturbed = self.faults_on(T::TOPIC);
         let disturbed = disturbed.map(|faults| Disturbed::new(faults, Rc::clone(clock)));
-        self.ports.enter_receiver(T::TOPIC, &port, &tally);
+        let opened = Opened { topic: T::TOPIC, port: Rc::clone(&port), tally: Rc::clone(&tally) };
+        self.ports.receivers.push(opened);
         Ok(Subscriber::new(port, waiter, disturbed, check, tally))
     }
 
@@ -74,7 +75,6 @@ impl Runtime {
         can_act.then(|| Rc::clone(faults))
     }
 
-    /// Expected period of messages of `topic`.
     fn expected(&self, topic: Topic) -> Option<Expected> {
         let source = topic.source(&self.scenario.services())?;
         let timetable = &self.group.timetable;

@@ -26,7 +26,7 @@ impl Runtime {
                 if late < 0 {
                     match &self.survival.standby {
                         Some(standby) => standby.wait(Duration::from_nanos(late.unsigned_abs())),
-                        None => self.cycles.sleep_until_next(),
+                        None => self.cycles.clock.sleep_until(self.cycles.next_step),
                     }
                 } else if overrun == Overrun::CatchUp || !self.cycles.skip_missed(late) {
                     break;

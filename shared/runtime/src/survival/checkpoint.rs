@@ -25,9 +25,7 @@ const WORDS: usize = 8 * 1024 - 3;
 #[derive(Debug)]
 struct Slot {
     number: AtomicU64,
-    /// Bytes of the state.
     length: AtomicU64,
-    /// Checksum of number and state.
     checksum: AtomicU64,
     state: [AtomicU64; WORDS],
 }

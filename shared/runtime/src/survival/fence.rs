@@ -116,7 +116,6 @@ impl Gate {
         self.is_standby.set(is_standby);
     }
 
-    /// True while the process is a standby.
     pub(crate) fn is_standby(&self) -> bool {
         self.is_standby.get()
     }

@@ -28,9 +28,7 @@ use std::time::Duration;
 /// The process that a standby stands by for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ActiveProcess {
-    /// Index of the process in its service.
     pub incarnation: u32,
-    /// Its process id.
     pub pid: i32,
 }
 
@@ -47,7 +45,6 @@ pub enum Cause {
 /// A take-over, as the standby reports it to the launcher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TakeOver {
-    /// Why.
     pub cause: Cause,
     /// Time when the standby noticed it, `CLOCK_MONOTONIC` ns.
     pub noticed_ns: i64,
@@ -77,7 +74,6 @@ struct Order {
 }
 
 impl Order {
-    /// Takes the service over, once.
     fn take_over(&self, cause: Cause, noticed_ns: i64) {
         if self.noticed.set((cause, noticed_ns)).is_err() {
             return;
@@ -110,7 +106,6 @@ pub(crate) struct Standby {
 }
 
 impl Standby {
-    /// Begins to stand by for `active`.
     pub(crate) fn begin(
         group: &Group,
         words: &Arc<Shared<RunWords>>,

@@ -18,7 +18,6 @@ use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::{Rc, Weak};
 
-/// The topics of a run.
 #[derive(Debug)]
 pub(crate) struct Bus {
     topics: [Rc<Slot>; TOPICS.len()],
@@ -158,7 +157,6 @@ pub(crate) struct MemorySender {
     pool: RefCell<VecDeque<Words>>,
     /// Length of a message.
     words: usize,
-    /// Messages that may wait in a queue.
     limit: usize,
     seat: Seat,
     end: End,

@@ -30,7 +30,6 @@ use messages::{Message, Topic};
 use serde::Serialize;
 use std::rc::Rc;
 
-/// Carrier of the messages of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Carrier {
@@ -71,7 +70,6 @@ fn buffer_of(topic: Topic, buffer: usize) -> usize {
 /// A member's access to the topics of its run.
 #[derive(Debug)]
 pub(crate) enum Transport {
-    /// A process of a group.
     SharedMemory(SharedMemory),
     /// A member of a run in one process.
     Memory(Seat),
@@ -109,7 +107,6 @@ impl Transport {
         }))
     }
 
-    /// Creates a receiving end of `topic`.
     pub(crate) fn receiver(
         &self,
         topic: Topic,
@@ -149,7 +146,6 @@ pub(crate) enum Wanted<'a> {
     Newest(&'a Rc<Clock>),
 }
 
-/// The sending end of a topic.
 #[derive(Debug)]
 pub(crate) enum Sender {
     SharedMemory(SendingPort),
@@ -187,7 +183,6 @@ impl Sender {
     }
 }
 
-/// A receiving end of a topic.
 #[derive(Debug)]
 pub(crate) enum Receiver {
     SharedMemory(ReceivingPort),

@@ -71,7 +71,6 @@ pub(crate) type ReceivingPort = Subscriber<Ipc, Payload, CustomHeaderMarker>;
 
 type Factory = publish_subscribe::PortFactory<Ipc, Payload, CustomHeaderMarker>;
 
-/// Memory for a message of `port`.
 #[expect(unsafe_code, reason = "a message is not written twice to please the type")]
 pub(super) fn loan(port: &SendingPort) -> Result<LoanedSample, TransportError> {
     // SAFETY: a topic has one payload a message.
@@ -188,7 +187,6 @@ impl SharedMemory {
         Ok(port)
     }
 
-    /// Creates a receiving end of `topic`.
     pub(crate) fn receiver(&self, topic: Topic) -> Result<ReceivingPort, RuntimeError> {
         self.topic(topic)?.subscriber_builder().create().map_err(refused(topic))
     }

@@ -72,7 +72,6 @@ pub(crate) enum Waiter {
 }
 
 impl Waiter {
-    /// As [`Waker::ticket`].
     pub(crate) fn ticket(&self) -> u32 {
         match self {
             Self::Futex(waker) => waker.ticket(),

@@ -5,6 +5,7 @@
 use messages::{Service, TOPICS, Topic};
 use rustix::fs::{FallocateFlags, OFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
+use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Error, ErrorKind};
 use std::ops::Deref;
@@ -30,14 +31,17 @@ unsafe impl Atomics for AtomicU64 {}
 // SAFETY: as its elements are.
 unsafe impl<T: Atomics, const N: usize> Atomics for [T; N] {}
 
-/// A `T` in `/dev/shm`, zero at first and the same for all who map it.
+/// A `T` in `/dev/shm`, zero at first and the same for all who map it. Or one that this process has alone.
 ///
-/// The first process makes it, and it stays valid when any of them dies. It is removed with everything else that
+/// The first process makes the file, and it stays valid when any of them dies. It is removed with everything else that
 /// carries the run's prefix.
 #[derive(Debug)]
-pub struct Shared<T: Atomics>(NonNull<T>);
+pub struct Shared<T: Atomics> {
+    place: NonNull<T>,
+    is_mapped: bool,
+}
 
-// SAFETY: the mapping belongs to the process, not to a thread, and is only ever accessed as atomic numbers.
+// SAFETY: the memory belongs to the process, not to a thread, and is only ever accessed as atomic numbers.
 unsafe impl<T: Atomics> Send for Shared<T> {}
 // SAFETY: as above.
 unsafe impl<T: Atomics> Sync for Shared<T> {}
@@ -62,7 +66,18 @@ impl<T: Atomics> Shared<T> {
         let flags = MapFlags::SHARED | MapFlags::POPULATE;
         // SAFETY: no address is asked for, so that no other mapping is replaced.
         let start = unsafe { mmap(std::ptr::null_mut(), bytes, protection, flags, file, offset) }?;
-        NonNull::new(start.cast()).map(Self).ok_or_else(|| io::ErrorKind::OutOfMemory.into())
+        let place = NonNull::new(start.cast()).ok_or(io::ErrorKind::OutOfMemory)?;
+        Ok(Self { place, is_mapped: true })
+    }
+
+    /// One of this process alone.
+    pub(crate) fn private() -> Self {
+        const { assert!(size_of::<T>() > 0) };
+        let layout = Layout::new::<T>();
+        // SAFETY: the layout is not of size 0.
+        let start = unsafe { alloc_zeroed(layout) };
+        let place = NonNull::new(start.cast()).unwrap_or_else(|| handle_alloc_error(layout));
+        Self { place, is_mapped: false }
     }
 }
 
@@ -70,23 +85,21 @@ impl<T: Atomics> Deref for Shared<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        // SAFETY: the mapping has the size of a `T`, is page-aligned and lives as long as `self`. Any bytes are a `T`,
-        // and all processes access them as atomic numbers only.
-        unsafe { self.0.as_ref() }
+        // SAFETY: the memory has the size and alignment of a `T` and lives as long as `self`. Any bytes are a `T`, and
+        // all processes access them as atomic numbers only.
+        unsafe { self.place.as_ref() }
     }
 }
 
 impl<T: Atomics> Drop for Shared<T> {
     fn drop(&mut self) {
-        // SAFETY: the mapping is ours, and no reference into it outlives `self`.
-        let _ = unsafe { munmap(self.0.as_ptr().cast(), size_of::<T>()) };
-    }
-}
-
-impl SharedWords {
-    /// The word at `index`, one of 1024.
-    pub fn word(&self, index: usize) -> &AtomicU32 {
-        &self[index]
+        // SAFETY: the memory is ours, from `of` or `private`, and no reference into it outlives `self`.
+        unsafe {
+            match self.is_mapped {
+                true => drop(munmap(self.place.as_ptr().cast(), size_of::<T>())),
+                false => dealloc(self.place.as_ptr().cast(), Layout::new::<T>()),
+            }
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! When a fault begins: at an instant, or by what the ego does and meets.
 
-use messages::Drive;
+use messages::EgoTruth;
 use scenario_derive::tables;
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ impl Begin {
     }
 
     /// True if it begins with the ego driving so.
-    pub fn is_met(&self, drive: &Drive) -> bool {
+    pub fn is_met(&self, drive: &EgoTruth) -> bool {
         self.when.is_some_and(|when| when.holds(drive))
     }
 }
@@ -59,7 +59,7 @@ pub const STANDSTILL_MPS: f64 = 0.1;
 
 impl Condition {
     /// True if it holds for an ego that drives so.
-    pub fn holds(&self, drive: &Drive) -> bool {
+    pub fn holds(&self, drive: &EgoTruth) -> bool {
         let stands = drive.speed_mps < STANDSTILL_MPS;
         let deceleration_mps2 = -drive.acceleration_mps2;
         self.position_above_m.is_none_or(|limit| drive.position_m > limit.value())
@@ -67,8 +67,8 @@ impl Condition {
             && self.speed_above_mps.is_none_or(|limit| drive.speed_mps > limit.value())
             && self.braking_above_mps2.is_none_or(|limit| deceleration_mps2 > limit.value())
             && self.ttc_below_s.is_none_or(|limit| drive.time_to_collision_s < limit.value())
-            && self.red_line_below_m.is_none_or(|limit| drive.red_line_m < limit.value())
-            && self.cut_in.is_none_or(|wanted| drive.cut_in == wanted)
+            && self.red_line_below_m.is_none_or(|limit| drive.red_line_m() < limit.value())
+            && self.cut_in.is_none_or(|wanted| (drive.cut_in != 0) == wanted)
             && self.standstill.is_none_or(|wanted| stands == wanted)
     }
 }

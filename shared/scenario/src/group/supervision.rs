@@ -57,6 +57,14 @@ impl Supervision {
         let own = *self.services.of(service);
         own.unwrap_or(self.restart)
     }
+
+    /// Wait before a start that follows `row` others within the window.
+    pub fn backoff(&self, row: usize) -> std::time::Duration {
+        let doublings = u32::try_from(row).unwrap_or(u32::MAX).saturating_sub(1).min(30);
+        let wait_ms = u64::from(self.backoff_ms.value()).saturating_mul(1 << doublings);
+        let wait_ms = if row == 0 { 0 } else { wait_ms.min(self.max_backoff_ms.value().into()) };
+        std::time::Duration::from_millis(wait_ms)
+    }
 }
 
 /// Services with a standby. A service's descriptor says whether it can have one: the plant cannot, because there is one

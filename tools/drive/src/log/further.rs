@@ -5,7 +5,7 @@ use crate::log::kept_steps::KeptSteps;
 use crate::log::present::join;
 use crate::report::ReceivedTopic;
 use messages::{AllVehicles, Header, MAX_TRACKS, Message, MoreVehicles, Topic, VehicleTruth};
-use runtime::{Observer, RuntimeError, Subscriber};
+use runtime::{Guest, RuntimeError, Subscriber};
 
 /// Steps so far, and room for those to come: a long drive allocates no more than a short one.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ impl Truths {
     pub(crate) fn take(&mut self, first: &VehicleTruth, kept: &KeptSteps) {
         let is_passing = self.steps.last().is_some_and(|last| !kept.has(last.header.step));
         let room = if is_passing { self.steps.pop() } else { self.spare.pop() };
-        let mut step = room.unwrap_or_else(|| AllVehicles::with_room(first.listed().len()));
+        let mut step = room.unwrap_or_else(|| AllVehicles::with_room(first.vehicles().len()));
         step.take(first, None);
         self.steps.push(step);
     }
@@ -46,9 +46,9 @@ pub(crate) struct Further {
 
 impl Further {
     /// Opens the topic; `None` where the first messages have room for all `others`.
-    pub(crate) fn listen(observer: &Observer, others: usize) -> Result<Option<Self>, RuntimeError> {
+    pub(crate) fn listen(observer: &Guest, others: usize) -> Result<Option<Self>, RuntimeError> {
         let has_more = others > MAX_TRACKS;
-        let topic = has_more.then(|| observer.listen()).transpose()?;
+        let topic = has_more.then(|| observer.subscriber()).transpose()?;
         Ok(topic.map(|topic| Self { topic, waiting: Vec::new() }))
     }
 
@@ -58,7 +58,9 @@ impl Further {
         topic.drain(|message| waiting.push(*message))?;
         let steps =
             (|truth: &AllVehicles| truth.header.step, |more: &MoreVehicles| more.header.step);
-        join(truths, waiting, steps, |truth, more| truth.vehicles.extend_from_slice(more.listed()));
+        join(truths, waiting, steps, |truth, more| {
+            truth.vehicles.extend_from_slice(more.vehicles())
+        });
         Ok(())
     }
 
@@ -81,14 +83,11 @@ impl<T: Message> Headers for Subscriber<T> {
 }
 
 /// Opens a topic by its number.
-pub(crate) fn listen_to(
-    observer: &Observer,
-    topic: Topic,
-) -> Result<Box<dyn Headers>, RuntimeError> {
+pub(crate) fn listen_to(observer: &Guest, topic: Topic) -> Result<Box<dyn Headers>, RuntimeError> {
     macro_rules! by_topic {
         ($($message:ty),+) => {
             match topic {
-                $(<$message as Message>::TOPIC => Ok(Box::new(observer.listen::<$message>()?)),)+
+                $(<$message as Message>::TOPIC => Ok(Box::new(observer.subscriber::<$message>()?)),)+
             }
         };
     }

@@ -22,7 +22,7 @@ use messages::{
 use plane::PlaneTopics;
 use present::{place_at, take_step};
 use runtime::statistics::Latencies;
-use runtime::{Group, InProcess, Mode, Observer, RuntimeError, Subscriber, Timetable};
+use runtime::{Group, Guest, InProcess, Mode, RuntimeError, Subscriber, Timetable};
 use scenario::Scenario;
 
 /// Most messages of a topic that have room from the start.
@@ -44,10 +44,10 @@ pub struct DriveLog {
     plane: Option<PlaneTopics>,
     /// Topics that show the first messages of restarted services in realtime, beside those above.
     others: Vec<Box<dyn Headers>>,
-    observer: Observer,
+    observer: Guest,
     steps: Vec<DriveStep>,
     /// State of the drive in the last of them.
-    meets: Option<messages::Drive>,
+    meets: Option<EgoTruth>,
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Truths,
     requests: Vec<(u64, f64)>,
@@ -89,7 +89,7 @@ impl DriveLog {
         scenario: &Scenario,
         deadline_ns: i64,
     ) -> Result<Self, RuntimeError> {
-        let observer = Observer::join(group, "launcher")?;
+        let observer = Guest::join(group, "launcher")?;
         Self::by(observer, scenario, group.mode, &group.timetable, deadline_ns)
     }
 
@@ -99,7 +99,7 @@ impl DriveLog {
     }
 
     fn by(
-        observer: Observer,
+        observer: Guest,
         scenario: &Scenario,
         mode: Mode,
         timetable: &Timetable,
@@ -122,14 +122,14 @@ impl DriveLog {
                 && !(has_plan && *topic == RadarTracks::TOPIC)
         });
         let mut this = Self {
-            ego: observer.listen()?,
-            powertrain: observer.listen()?,
-            truth: observer.listen()?,
+            ego: observer.subscriber()?,
+            powertrain: observer.subscriber()?,
+            truth: observer.subscriber()?,
             further: Further::listen(&observer, scenario.actors.len())?,
-            command: observer.listen()?,
-            diagnostics: observer.listen()?,
-            brake: observer.listen()?,
-            heartbeat: observer.listen()?,
+            command: observer.subscriber()?,
+            diagnostics: observer.subscriber()?,
+            brake: observer.subscriber()?,
+            heartbeat: observer.subscriber()?,
             plane: has_plan
                 .then(|| PlaneTopics::listen(&observer, scenario.actors.len()))
                 .transpose()?,
@@ -203,7 +203,7 @@ impl DriveLog {
                 self.steps.pop();
             }
             self.steps.push(DriveStep::of(m));
-            self.meets = Some(messages::Drive::of(m));
+            self.meets = Some(*m);
         })?;
         self.powertrain.drain(|m| {
             let step = PowertrainStep {
@@ -277,7 +277,7 @@ impl DriveLog {
         std::mem::take(&mut self.first_messages)
     }
 
-    pub fn ego(&self) -> Option<messages::Drive> {
+    pub fn ego(&self) -> Option<EgoTruth> {
         self.meets
     }
 

@@ -14,7 +14,7 @@ use messages::{
     AllVehicles, EgoPose, Header, MAX_TRACKS, Message, MorePoses, RadarTracks, Topic, VehiclePose,
     VehiclePoses,
 };
-use runtime::{Observer, RuntimeError, Subscriber};
+use runtime::{Guest, RuntimeError, Subscriber};
 
 use crate::log::present::{join, take_step};
 use crate::report::ReceivedTopic;
@@ -136,12 +136,12 @@ pub(crate) struct PlaneTopics {
 
 impl PlaneTopics {
     /// Opens the topics.
-    pub(crate) fn listen(observer: &Observer, others: usize) -> Result<Self, RuntimeError> {
+    pub(crate) fn listen(observer: &Guest, others: usize) -> Result<Self, RuntimeError> {
         Ok(Self {
-            pose: observer.listen()?,
-            poses: observer.listen()?,
-            more: (others > MAX_TRACKS).then(|| observer.listen()).transpose()?,
-            tracks: observer.listen()?,
+            pose: observer.subscriber()?,
+            poses: observer.subscriber()?,
+            more: (others > MAX_TRACKS).then(|| observer.subscriber()).transpose()?,
+            tracks: observer.subscriber()?,
             log: PlaneLog::default(),
         })
     }
@@ -153,9 +153,9 @@ impl PlaneTopics {
     ) -> Result<(), RuntimeError> {
         let log = &mut self.log;
         self.pose.drain(|message| log.pose(message))?;
-        self.poses.drain(|message| log.poses(&message.header, message.listed()))?;
+        self.poses.drain(|message| log.poses(&message.header, message.poses()))?;
         if let Some(more) = &mut self.more {
-            more.drain(|message| log.more.push((message.header.step, message.listed().to_vec())))?;
+            more.drain(|message| log.more.push((message.header.step, message.poses().to_vec())))?;
         }
         log.join();
         self.tracks.drain(|message| {
@@ -213,7 +213,7 @@ impl PlaneLog {
 
     /// Takes the tracks of a scan.
     pub(crate) fn tracks(&mut self, tracks: &RadarTracks) {
-        let selected = tracks.listed().iter().find(|track| track.in_path != 0);
+        let selected = tracks.tracks().iter().find(|track| track.in_path != 0);
         let selected = selected.filter(|_| tracks.target.valid == 1).map(|track| Selected {
             range_m: track.range_m,
             azimuth_rad: track.azimuth_rad,

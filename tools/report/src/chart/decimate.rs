@@ -3,58 +3,82 @@
 //! Each column of pixels keeps its first, lowest, highest and last point (Jugel et al. 2014, "M4"). So no spike is
 //! lost. Then points on the straight line between their neighbours are dropped.
 
+use std::ops::Range;
+
 /// Invisible distance from a straight line, px.
 const UNSEEN: f64 = 0.5;
-/// Most points that one straight line replaces; it bounds the work.
+/// Most points that one straight line replaces: between them a reader can point at values.
 const LONGEST: usize = 64;
 
 /// Indices of the points to keep, in order. Each gap of points that are not finite keeps one of them. With
 /// `steps`, where each value holds until the next point, repeated values are dropped.
 pub fn kept(px: &[(f64, f64)], steps: bool) -> Vec<usize> {
     let is_point = |index: usize| px[index].0.is_finite() && px[index].1.is_finite();
-    let all: Vec<usize> = (0..px.len()).collect();
-    let mut kept = Vec::new();
-    for run in all.chunk_by(|a, b| is_point(*a) == is_point(*b)) {
-        if is_point(run[0]) {
-            let columns = run.chunk_by(|a, b| px[*a].0.floor() == px[*b].0.floor());
-            let extremes: Vec<usize> = columns.flat_map(|column| extremes(px, column)).collect();
-            kept.extend(straighten(px, &extremes, steps));
-        } else {
-            kept.push(run[0]);
+    let (mut kept, mut begin) = (Vec::new(), 0);
+    while begin < px.len() {
+        let mut end = begin + 1;
+        while end < px.len() && is_point(end) == is_point(begin) {
+            end += 1;
         }
+        if is_point(begin) {
+            straighten(px, &extremes(px, begin..end), steps, &mut kept);
+        } else {
+            kept.push(begin);
+        }
+        begin = end;
     }
     kept
 }
 
-/// First, lowest, highest and last point of a column, each once, in order of arrival.
-fn extremes(px: &[(f64, f64)], column: &[usize]) -> Vec<usize> {
-    let by_height = |a: &&usize, b: &&usize| px[**a].1.total_cmp(&px[**b].1);
-    let ends = [column.first(), column.last()];
-    let heights = [column.iter().min_by(by_height), column.iter().max_by(by_height)];
-    let mut kept: Vec<usize> = ends.into_iter().chain(heights).flatten().copied().collect();
-    kept.sort_unstable();
-    kept.dedup();
+/// First, lowest, highest and last point of each column, each once, in order of arrival.
+fn extremes(px: &[(f64, f64)], run: Range<usize>) -> Vec<usize> {
+    let (mut kept, mut begin) = (Vec::new(), run.start);
+    while begin < run.end {
+        let column = px[begin].0.floor();
+        let (mut lowest, mut highest, mut end) = (begin, begin, begin + 1);
+        while end < run.end && px[end].0.floor() == column {
+            if px[end].1.total_cmp(&px[lowest].1).is_lt() {
+                lowest = end;
+            }
+            if px[end].1.total_cmp(&px[highest].1).is_ge() {
+                highest = end;
+            }
+            end += 1;
+        }
+        for index in [begin, lowest.min(highest), lowest.max(highest), end - 1] {
+            if kept.last() != Some(&index) {
+                kept.push(index);
+            }
+        }
+        begin = end;
+    }
     kept
 }
 
 /// Drops points within [`UNSEEN`], measured vertically, of the line that replaces them. Ends stay.
-fn straighten(px: &[(f64, f64)], run: &[usize], steps: bool) -> Vec<usize> {
-    let mut kept: Vec<usize> = run.first().copied().into_iter().collect();
-    let mut from = 0;
+fn straighten(px: &[(f64, f64)], run: &[usize], steps: bool, kept: &mut Vec<usize>) {
+    kept.extend(run.first());
+    let all = (f64::NEG_INFINITY, f64::INFINITY);
+    // Slopes of the lines from `from` that pass all points since then unseen.
+    let (mut from, (mut least, mut most)) = (0, all);
     for to in 2..run.len() {
-        let (a, b) = (px[run[from]], px[run[to]]);
-        let on_the_line = |index: &usize| {
-            let point = px[*index];
-            let slope = if steps { 0.0 } else { (b.1 - a.1) / (b.0 - a.0) };
-            (a.1 + slope * (point.0 - a.0) - point.1).abs() <= UNSEEN
-        };
-        if to - from > LONGEST || b.0 <= a.0 || !run[from + 1..to].iter().all(on_the_line) {
+        let (a, passed, b) = (px[run[from]], px[run[to - 1]], px[run[to]]);
+        let (dx, dy) = (passed.0 - a.0, passed.1 - a.1);
+        let (below, above) = ((dy - UNSEEN) / dx, (dy + UNSEEN) / dx);
+        if dx > 0.0 {
+            (least, most) = (least.max(below), most.min(above));
+        } else if dx < 0.0 {
+            (least, most) = (least.max(above), most.min(below));
+        } else if dy.abs() > UNSEEN {
+            least = f64::INFINITY;
+        }
+        let slope = if steps { 0.0 } else { (b.1 - a.1) / (b.0 - a.0) };
+        if to - from > LONGEST || b.0 <= a.0 || !(least..=most).contains(&slope) {
             kept.push(run[to - 1]);
-            from = to - 1;
+            (from, (least, most)) = (to - 1, all);
         }
     }
     kept.extend(run.last().filter(|_| run.len() > 1));
-    kept
 }
 
 #[cfg(test)]
@@ -97,5 +121,49 @@ mod tests {
         let px = [(0.0, 1.0), (10.0, 2.0), (20.0, hole), (21.0, hole), (30.0, 3.0)];
         assert_eq!(kept(&px, false), [0, 1, 2, 4]);
         assert!(kept(&[], false).is_empty());
+    }
+
+    /// As [`straighten`], with each point held against each line.
+    fn one_by_one(px: &[(f64, f64)], steps: bool) -> Vec<usize> {
+        let mut kept = vec![0];
+        let mut from = 0;
+        for to in 2..px.len() {
+            let (a, b) = (px[from], px[to]);
+            let slope = if steps { 0.0 } else { (b.1 - a.1) / (b.0 - a.0) };
+            let passes = |p: &(f64, f64)| (a.1 + slope * (p.0 - a.0) - p.1).abs() <= UNSEEN + 1e-12;
+            if to - from > LONGEST || b.0 <= a.0 || !px[from + 1..to].iter().all(passes) {
+                kept.push(to - 1);
+                from = to - 1;
+            }
+        }
+        kept.push(px.len() - 1);
+        kept
+    }
+
+    #[test]
+    fn a_line_passes_each_point_that_it_replaces() {
+        let mut random = 1_u64;
+        let mut draw = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (random >> 40) as f64 / (1_u64 << 24) as f64
+        };
+        for number in 0..200 {
+            // Some curves go back.
+            let back = if number % 2 == 0 { 0.0 } else { 0.4 };
+            let (mut x, mut y) = (0.0, 0.0);
+            let px: Vec<_> = (0..300)
+                .map(|_| {
+                    x += draw() - back;
+                    y += 0.6 * (draw() - 0.5);
+                    (x, y)
+                })
+                .collect();
+            let all: Vec<_> = (0..px.len()).collect();
+            for steps in [false, true] {
+                let mut kept = Vec::new();
+                straighten(&px, &all, steps, &mut kept);
+                assert_eq!(kept, one_by_one(&px, steps), "{number}");
+            }
+        }
     }
 }

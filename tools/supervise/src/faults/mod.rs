@@ -5,7 +5,7 @@ pub mod log;
 
 use crate::faults::disturbance::Disturbance;
 use crate::faults::log::FaultLog;
-use messages::{Drive, Service};
+use messages::{EgoTruth, Service};
 use runtime::Injected;
 use scenario::Scenario;
 use scenario::faults::{Effect, Fault, Helper, ProcessFault, Target};
@@ -135,7 +135,7 @@ impl Faults {
     pub fn due(
         &mut self,
         now_ns: i64,
-        ego: Option<Drive>,
+        ego: Option<EgoTruth>,
         living: impl Fn(Service) -> Option<LiveProcess>,
     ) -> Vec<(usize, Act)> {
         let up = |service| living(service).filter(|one| one.starting_since_ns.is_none());

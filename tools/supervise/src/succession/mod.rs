@@ -280,7 +280,7 @@ impl Succession {
             steps.push(Step::GiveUp);
             return;
         }
-        self.phase = Phase::Waiting { until_ns: after(now_ns, backoff(&self.policy, row)) };
+        self.phase = Phase::Waiting { until_ns: after(now_ns, self.policy.backoff(row)) };
     }
 
     fn start(&mut self, now_ns: i64, steps: &mut Vec<Step>) -> u32 {
@@ -293,7 +293,7 @@ impl Succession {
     /// No standby from now on; the next one is due after the wait that restarts in a row ask for.
     fn absent(&mut self, now_ns: i64) -> Standby {
         let row = self.row(now_ns);
-        Standby::Absent { until_ns: after(now_ns, backoff(&self.policy, row)) }
+        Standby::Absent { until_ns: after(now_ns, self.policy.backoff(row)) }
     }
 
     /// Starts within the budget's window.
@@ -308,16 +308,6 @@ impl Succession {
 
 fn after(now_ns: i64, wait: Duration) -> i64 {
     now_ns.saturating_add(i64::try_from(wait.as_nanos()).unwrap_or(i64::MAX))
-}
-
-/// Wait before a start that follows `row` others.
-fn backoff(policy: &Supervision, row: usize) -> Duration {
-    if row == 0 {
-        return Duration::ZERO;
-    }
-    let doublings = u32::try_from(row - 1).unwrap_or(u32::MAX);
-    let wait = u64::from(policy.backoff_ms.value()).saturating_mul(1 << doublings.min(30));
-    Duration::from_millis(wait.min(policy.max_backoff_ms.value().into()))
 }
 
 #[cfg(test)]

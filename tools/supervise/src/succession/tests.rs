@@ -7,9 +7,9 @@ const MS: i64 = 1_000_000;
 #[test]
 fn the_first_restart_is_at_once_and_the_wait_doubles_up_to_its_limit() {
     let policy = Supervision::default();
-    let waits: Vec<u128> = (0..9).map(|row| backoff(&policy, row).as_millis()).collect();
+    let waits: Vec<u128> = (0..9).map(|row| policy.backoff(row).as_millis()).collect();
     assert_eq!(waits, [0, 10, 20, 40, 80, 160, 320, 640, 1000]);
-    assert_eq!(backoff(&policy, usize::MAX).as_millis(), 1000);
+    assert_eq!(policy.backoff(usize::MAX).as_millis(), 1000);
 }
 
 fn machine() -> Succession {

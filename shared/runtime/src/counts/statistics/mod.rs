@@ -17,7 +17,7 @@ const HIGHEST_NS: u64 = 60_000_000_000;
 const DIGIT_BITS: u32 = 8;
 const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
 
-/// A histogram in shared memory. The extremes are as [`Extremes`] has them.
+/// A histogram: buckets, the longest duration, ns, and the complement of the shortest one. From zero on, all only rise.
 #[repr(C, align(4096))]
 #[derive(Debug)]
 pub(super) struct Buckets {
@@ -28,6 +28,19 @@ pub(super) struct Buckets {
 
 // SAFETY: words alone.
 unsafe impl Atomics for Buckets {}
+
+impl Buckets {
+    fn add(&self, duration_ns: u64, count: u32) {
+        // The extremes come first: no process that dies leaves a record beyond them.
+        if self.longest_ns.load(Ordering::Relaxed) < duration_ns {
+            self.longest_ns.fetch_max(duration_ns, Ordering::Relaxed);
+        }
+        if self.not_shortest_ns.load(Ordering::Relaxed) < !duration_ns {
+            self.not_shortest_ns.fetch_max(!duration_ns, Ordering::Relaxed);
+        }
+        self.counts[bucket(duration_ns.min(HIGHEST_NS))].fetch_add(count, Ordering::Relaxed);
+    }
+}
 
 /// The bucket of a duration, by HdrHistogram's layout: one for each ns below 2⁸, and 2⁷ for each doubling above.
 const fn bucket(duration_ns: u64) -> usize {
@@ -44,144 +57,86 @@ const fn longest_ns(bucket: usize) -> u64 {
     shortest_ns(bucket + 1) - 1
 }
 
-/// A histogram of durations, allocated once: at the first record, or from the start by [`Self::with_room`].
+/// A histogram of durations: no record allocates.
 ///
 /// High dynamic range from 1 ns to 60 s with two significant decimal digits: a bucket is at most 1 % wide. The
 /// shortest and the longest duration are exact. Serialized as pairs of a duration and its count, the shortest first and
 /// the longest last. A copy has memory of its own.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(from = "Vec<(u64, u64)>", into = "Vec<(u64, u64)>")]
-pub struct Latencies(Counts);
-
-#[derive(Debug)]
-enum Counts {
-    Own(OwnBuckets),
-    /// In shared memory, with those of the processes before this one. It records while `records` is set.
-    Kept {
-        buckets: Arc<Shared<Buckets>>,
-        records: Arc<AtomicBool>,
-    },
-}
-
-/// Buckets in the memory of this process: those with records, in their order. In simulated time they are few.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct OwnBuckets {
-    counts: Vec<(usize, u64)>,
-    extremes: Extremes,
-}
-
-/// The longest duration, ns, and the complement of the shortest one: of memory that is 0, both only rise.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Extremes {
-    longest_ns: u64,
-    not_shortest_ns: u64,
-}
-
-impl Extremes {
-    fn include(&mut self, duration_ns: u64) {
-        self.longest_ns = self.longest_ns.max(duration_ns);
-        self.not_shortest_ns = self.not_shortest_ns.max(!duration_ns);
-    }
-}
-
-impl OwnBuckets {
-    fn add(&mut self, bucket: usize, count: u64) {
-        match self.counts.binary_search_by_key(&bucket, |(known, _)| *known) {
-            Ok(place) => self.counts[place].1 += count,
-            Err(place) => {
-                // Once for a whole histogram: recording is not a place to allocate.
-                self.counts.reserve(BUCKETS - self.counts.len());
-                self.counts.insert(place, (bucket, count));
-            }
-        }
-    }
+pub struct Latencies {
+    /// Those of this process, or in shared memory with those of the processes before it.
+    buckets: Shared<Buckets>,
+    /// It records while this is set.
+    records: Arc<AtomicBool>,
 }
 
 impl Default for Latencies {
     fn default() -> Self {
-        Self(Counts::Own(OwnBuckets::default()))
+        Self { buckets: Shared::private(), records: Arc::new(true.into()) }
     }
 }
 
 impl Clone for Latencies {
     fn clone(&self) -> Self {
-        let (counts, extremes) = (self.recorded().collect(), self.extremes());
-        Self(Counts::Own(OwnBuckets { counts, extremes }))
+        self.pairs().into()
     }
 }
 
 impl PartialEq for Latencies {
     fn eq(&self, other: &Self) -> bool {
-        self.extremes() == other.extremes() && self.recorded().eq(other.recorded())
+        self.extremes_ns() == other.extremes_ns() && self.recorded().eq(other.recorded())
     }
 }
 
 impl From<Latencies> for Vec<(u64, u64)> {
     fn from(latencies: Latencies) -> Self {
-        let mut pairs: Self =
-            latencies.recorded().map(|(bucket, count)| (longest_ns(bucket), count)).collect();
-        // Both extremes are in one bucket.
-        if let [(ns, count @ 2..)] = pairs[..] {
-            pairs = vec![(ns, count - 1), (ns, 1)];
-        }
-        if let Some((shortest_ns, longest_ns)) = latencies.range_ns() {
-            pairs.first_mut().expect("something was recorded").0 = shortest_ns;
-            pairs.last_mut().expect("something was recorded").0 = longest_ns;
-        }
-        pairs
+        latencies.pairs()
     }
 }
 
 impl From<Vec<(u64, u64)>> for Latencies {
     fn from(pairs: Vec<(u64, u64)>) -> Self {
-        let mut own = OwnBuckets::default();
+        let latencies = Self::default();
         for (duration_ns, count) in pairs {
-            own.add(bucket(duration_ns.min(HIGHEST_NS)), count);
-            own.extremes.include(duration_ns);
+            latencies.buckets.add(duration_ns, u32::try_from(count).unwrap_or(u32::MAX));
         }
-        Self(Counts::Own(own))
+        latencies
     }
 }
 
 impl Latencies {
-    /// One that allocates nothing when it records.
-    pub(crate) fn with_room() -> Self {
-        let counts = Vec::with_capacity(BUCKETS);
-        Self(Counts::Own(OwnBuckets { counts, ..OwnBuckets::default() }))
-    }
-
-    /// One whose counts outlive the process.
-    pub(super) fn kept(buckets: Shared<Buckets>, records: Arc<AtomicBool>) -> Self {
-        Self(Counts::Kept { buckets: Arc::new(buckets), records })
+    /// One in these buckets, which records while `records` is set.
+    pub(super) fn of(buckets: Shared<Buckets>, records: Arc<AtomicBool>) -> Self {
+        Self { buckets, records }
     }
 
     /// Records one duration, ns; a negative one counts as zero.
     pub fn record_ns(&mut self, duration_ns: i64) {
-        let duration_ns = u64::try_from(duration_ns).unwrap_or(0);
-        let bucket = bucket(duration_ns.min(HIGHEST_NS));
-        match &mut self.0 {
-            Counts::Own(own) => {
-                own.add(bucket, 1);
-                own.extremes.include(duration_ns);
-            }
-            Counts::Kept { buckets, records } => {
-                if records.load(Ordering::Relaxed) {
-                    buckets.counts[bucket].fetch_add(1, Ordering::Relaxed);
-                    buckets.longest_ns.fetch_max(duration_ns, Ordering::Relaxed);
-                    buckets.not_shortest_ns.fetch_max(!duration_ns, Ordering::Relaxed);
-                }
-            }
+        if self.records.load(Ordering::Relaxed) {
+            self.buckets.add(u64::try_from(duration_ns).unwrap_or(0), 1);
         }
     }
 
-    fn extremes(&self) -> Extremes {
-        match &self.0 {
-            Counts::Own(own) => own.extremes,
-            Counts::Kept { buckets, .. } => Extremes {
-                longest_ns: buckets.longest_ns.load(Ordering::Relaxed),
-                not_shortest_ns: buckets.not_shortest_ns.load(Ordering::Relaxed),
-            },
+    /// Durations that stand for the buckets, and the counts. The first and the last are the extremes.
+    fn pairs(&self) -> Vec<(u64, u64)> {
+        let pairs = self.recorded().map(|(bucket, count)| (longest_ns(bucket), count));
+        let mut pairs: Vec<_> = pairs.collect();
+        // Both extremes are in one bucket.
+        if let [(ns, count @ 2..)] = pairs[..] {
+            pairs = vec![(ns, count - 1), (ns, 1)];
         }
+        if let Some((shortest_ns, longest_ns)) = self.range_ns() {
+            pairs.first_mut().expect("something was recorded").0 = shortest_ns;
+            pairs.last_mut().expect("something was recorded").0 = longest_ns;
+        }
+        pairs
+    }
+
+    /// The shortest and the longest duration that was noted, ns. Before the first one it is the other way round.
+    fn extremes_ns(&self) -> (u64, u64) {
+        let load = |word: &AtomicU64| word.load(Ordering::Relaxed);
+        (!load(&self.buckets.not_shortest_ns), load(&self.buckets.longest_ns))
     }
 
     /// The shortest and the longest duration, ns; `None` if nothing was recorded.
@@ -189,23 +144,21 @@ impl Latencies {
         let mut recorded = self.recorded().map(|(bucket, _)| bucket);
         let first = recorded.next()?;
         let last = recorded.last().unwrap_or(first);
-        let Extremes { longest_ns: longest, not_shortest_ns } = self.extremes();
+        let (shortest, longest) = self.extremes_ns();
         // A process that dies between two stores leaves extremes that its buckets do not have.
         let within = |bucket: usize, duration_ns: u64| {
             let open_end = if bucket + 1 == BUCKETS { u64::MAX } else { longest_ns(bucket) };
             duration_ns.clamp(shortest_ns(bucket), open_end)
         };
-        Some((within(first, !not_shortest_ns), within(last, longest)))
+        Some((within(first, shortest), within(last, longest)))
     }
 
     /// The buckets with a count, in the order of their durations.
     fn recorded(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
-        let (own, kept): (&[(usize, u64)], &[AtomicU32]) = match &self.0 {
-            Counts::Own(own) => (&own.counts, &[]),
-            Counts::Kept { buckets, .. } => (&[], &buckets.counts),
-        };
-        let kept = kept.iter().map(|count| count.load(Ordering::Relaxed).into()).enumerate();
-        own.iter().copied().chain(kept).filter(|(_, count)| *count > 0)
+        let (shortest_ns, longest_ns) = self.extremes_ns();
+        let [first, last] = [shortest_ns, longest_ns].map(|ns| bucket(ns.min(HIGHEST_NS)));
+        let counts = self.buckets.counts.iter().map(|count| count.load(Ordering::Relaxed).into());
+        counts.enumerate().take(last + 1).skip(first).filter(|(_, count)| *count > 0)
     }
 
     /// As the HdrHistogram family has it.
@@ -218,7 +171,6 @@ impl Latencies {
         histogram
     }
 
-    /// Number of recorded durations.
     pub fn count(&self) -> u64 {
         self.recorded().map(|(_, count)| count).sum()
     }
@@ -278,17 +230,11 @@ pub type QuantileCurve = Vec<(f64, f64)>;
 /// Percentiles of a distribution and the number of samples behind them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Percentiles {
-    /// Median.
     pub p50: f64,
-    /// 90th percentile.
     pub p90: f64,
-    /// 99th percentile.
     pub p99: f64,
-    /// 99.9th percentile.
     pub p999: f64,
-    /// 99.99th percentile.
     pub p9999: f64,
-    /// Largest sample.
     pub max: f64,
     /// Number of samples.
     pub count: u64,
