@@ -76,29 +76,21 @@ impl Layout {
     fn collect(&self, prefix: &str, base: usize, into: &mut Vec<Place>) {
         for field in self.fields {
             let name = format!("{prefix}{}", field.name);
-            if field.shape.element == Element::Scalar(Scalar::U8) {
-                let bytes = field.shape.len.unwrap_or(1);
-                let offset = base + field.offset;
+            let element = field.shape.element;
+            // An array of bytes is one value.
+            let (len, bytes) = match element {
+                Element::Scalar(Scalar::U8) => (None, field.shape.len.unwrap_or(1)),
+                _ => (field.shape.len, element.bytes()),
+            };
+            for index in 0..len.unwrap_or(1) {
+                let path = len.map_or_else(|| name.clone(), |_| format!("{name}.{index}"));
+                let offset = base + field.offset + index * bytes;
                 let (layout, field) = (self.name, field.name);
-                into.push(Place { path: name, layout, field, offset, bytes, scalar: Scalar::U8 });
-                continue;
-            }
-            for index in 0..field.shape.len.unwrap_or(1) {
-                let path = match field.shape.len {
-                    Some(_) => format!("{name}.{index}"),
-                    None => name.clone(),
-                };
-                let offset = base + field.offset + index * field.shape.element.bytes();
-                match field.shape.element {
-                    Element::Scalar(scalar) => into.push(Place {
-                        path,
-                        layout: self.name,
-                        field: field.name,
-                        offset,
-                        bytes: scalar.bytes(),
-                        scalar,
-                    }),
-                    Element::Struct(layout) => layout.collect(&format!("{path}."), offset, into),
+                match element {
+                    Element::Scalar(scalar) => {
+                        into.push(Place { path, layout, field, offset, bytes, scalar });
+                    }
+                    Element::Struct(inner) => inner.collect(&format!("{path}."), offset, into),
                 }
             }
         }

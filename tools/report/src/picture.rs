@@ -179,9 +179,9 @@ impl RunPicture {
         // no vehicle is ahead.
         let heard: std::collections::BTreeSet<u64> =
             drive.vehicles.iter().map(|truth| truth.header.step).collect();
+        let told: Vec<_> = steps.iter().filter(|step| heard.contains(&step.step)).collect();
         let ahead = |value: fn(&DriveStep) -> Option<f64>| -> Points {
-            let told = steps.iter().filter(|step| heard.contains(&step.step));
-            told.map(|step| (step.time_s, value(step).unwrap_or(f64::NAN))).collect()
+            told.iter().map(|step| (step.time_s, value(step).unwrap_or(f64::NAN))).collect()
         };
         let mode = |mode: u32| {
             modes.get(mode as usize).map_or_else(|| format!("mode {mode}"), ToString::to_string)

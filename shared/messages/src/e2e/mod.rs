@@ -56,15 +56,8 @@ impl Outcomes {
     }
 
     fn count(&mut self, status: Status) {
-        let place = match status {
-            Status::Ok => &mut self.ok,
-            Status::OkSomeLost => &mut self.ok_some_lost,
-            Status::Repeated => &mut self.repeated,
-            Status::WrongSequence => &mut self.wrong_sequence,
-            Status::Error => &mut self.error,
-            Status::NoNewData => &mut self.no_new_data,
-        };
-        *place += 1;
+        let counts: &mut [u64; 9] = bytemuck::cast_mut(self);
+        counts[status as usize] += 1;
     }
 
     /// Adds the counts of another consumer.

@@ -23,7 +23,7 @@ const MIN_OK_INVALID: usize = 3;
 /// Errors in the window that an invalid channel may have to become valid again.
 const MAX_ERROR_INVALID: usize = 1;
 
-/// Result of the check of one message.
+/// Result of the check of one message, in the order of [`Outcomes`](super::Outcomes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Status {
     /// Intact, next in sequence.

@@ -10,7 +10,6 @@ use super::{HostError, Proof};
 use crate::machine::scheduling::lend_to;
 use bytemuck::Pod;
 use scenario::Scenario;
-use scenario::supervision::Supervision;
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -56,7 +55,8 @@ impl<Q: Pod + Send, A: Pod + Send> Host<Q, A> {
         let life = Arc::<Mutex<Life>>::default();
         let subject = plan.subject();
         let own = Arc::clone(&life);
-        let own = Thread { plan, proof, orders: inbox, news: outbox, life: own, lent: None };
+        let (lent, starts) = Default::default();
+        let own = Thread { plan, proof, orders: inbox, news: outbox, life: own, lent, starts };
         let thread = std::thread::Builder::new()
             .name("program-host".into())
             .spawn(move || own.run())
@@ -71,7 +71,6 @@ impl<Q: Pod + Send, A: Pod + Send> Host<Q, A> {
         }
     }
 
-    /// Record of all programs so far.
     pub(super) fn life(&self) -> Life {
         self.life.lock().expect("no holder panics").clone()
     }
@@ -94,11 +93,12 @@ struct Thread<Q, A> {
     news: Sender<News<Q, A>>,
     life: Arc<Mutex<Life>>,
     lent: Option<Box<Scenario>>,
+    /// The starts within the supervisor's window.
+    starts: VecDeque<Instant>,
 }
 
 impl<Q: Pod + Send, A: Pod + Send> Thread<Q, A> {
     fn run(mut self) {
-        let mut restarts = Restarts::default();
         let mut is_first = true;
         loop {
             let (why, is_last) = match self.begin() {
@@ -116,7 +116,7 @@ impl<Q: Pod + Send, A: Pod + Send> Thread<Q, A> {
                 return self.give_up(why);
             }
             self.note(&why);
-            let Some(wait) = restarts.next(&self.plan.supervision) else {
+            let Some(wait) = self.next_wait() else {
                 return self.give_up(self.error("failed too often and is not started again"));
             };
             if !self.pause(wait) {
@@ -212,25 +212,19 @@ impl<Q: Pod + Send, A: Pod + Send> Thread<Q, A> {
         // The loop may be gone.
         let _ = self.news.send(Err(why));
     }
-}
 
-/// The starts within the supervisor's window.
-#[derive(Debug, Default)]
-struct Restarts(VecDeque<Instant>);
-
-impl Restarts {
     /// The wait before the next start; none if the budget is used up.
-    fn next(&mut self, policy: &Supervision) -> Option<Duration> {
-        let now = Instant::now();
+    fn next_wait(&mut self) -> Option<Duration> {
+        let (policy, now) = (&self.plan.supervision, Instant::now());
         let window = Duration::from_nanos(policy.window_s.nanoseconds());
-        while self.0.front().is_some_and(|then| now.duration_since(*then) > window) {
-            self.0.pop_front();
+        while self.starts.front().is_some_and(|then| now.duration_since(*then) > window) {
+            self.starts.pop_front();
         }
-        let row = self.0.len();
-        if row >= usize::from(policy.budget.value()) {
-            return None;
-        }
-        self.0.push_back(now);
-        Some(policy.backoff(row))
+        let row = self.starts.len();
+        let has_budget = row < usize::from(policy.budget.value());
+        has_budget.then(|| {
+            self.starts.push_back(now);
+            policy.backoff(row)
+        })
     }
 }

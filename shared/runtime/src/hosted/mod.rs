@@ -162,7 +162,6 @@ impl<Q: Pod + Send, A: Pod + Send> Hosting<Q, A> {
         })
     }
 
-    /// Record of all programs so far.
     pub fn life(&self) -> Life {
         self.host.as_ref().map_or_else(Life::default, Host::life)
     }

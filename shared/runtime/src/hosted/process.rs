@@ -40,7 +40,6 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The program in a sentence.
     #[must_use]
     pub fn subject(&self) -> String {
         format!("the {} `{}`", self.part, self.command.join(" ").escape_debug())
@@ -141,7 +140,6 @@ impl Process {
         }
     }
 
-    /// Its last lines on standard error.
     pub(super) fn last_words(&self) -> String {
         // The reading thread may be a moment behind the program's end.
         std::thread::sleep(Duration::from_millis(20));

@@ -102,7 +102,6 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         Ok(this)
     }
 
-    /// True if a question is open.
     pub fn is_busy(&self) -> bool {
         self.due_ns.is_some()
     }
@@ -143,7 +142,6 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         Some(answer)
     }
 
-    /// Counts of the questions so far.
     pub fn report(&self) -> WorkerReport {
         WorkerReport {
             asked: self.asked.get(),

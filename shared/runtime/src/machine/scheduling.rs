@@ -165,22 +165,13 @@ pub fn lend_to(pid: u32, scenario: &Scenario, service: Service) {
 }
 
 /// The priority below those of all services; 0 if there is no such priority.
-fn below_services(scenario: &Scenario) -> u8 {
+pub(crate) fn below_services(scenario: &Scenario) -> u8 {
     let priorities = Service::ALL.map(|service| Request::of(scenario, service).priority());
     priorities.into_iter().min().unwrap_or(0).saturating_sub(1)
 }
 
-/// Puts the calling thread, which has a service's priority, below all services: a standby must not delay the
-/// active process.
-pub(crate) fn set_below_services(scenario: &Scenario) {
-    let below = below_services(scenario);
-    if below > 0 {
-        let _ = set_policy_of(0, FIFO, below);
-    }
-}
-
-/// Gives thread `thread` of this process `SCHED_FIFO` with this priority, if the machine grants it. 0 leaves it as it
-/// is.
+/// Gives thread `thread` of this process, or the calling one for 0, `SCHED_FIFO` with this priority, if the machine
+/// grants it. Priority 0 leaves it as it is.
 pub fn set_fifo_of(thread: i32, priority: u8) {
     if priority > 0 {
         let _ = set_policy_of(thread, FIFO, priority);

@@ -84,7 +84,6 @@ impl<T: Message> Subscriber<T> {
         self.drain_to(u64::MAX, each)
     }
 
-    /// Samples received so far.
     pub fn received(&self) -> ReceivedTopic {
         self.tally.borrow().received(T::TOPIC)
     }

@@ -2,10 +2,10 @@
 
 use super::Runtime;
 use crate::counts::account::OwnAccount;
-use crate::machine::scheduling::{Granted, Request, above, apply, in_force};
+use crate::machine::scheduling::{Request, above, apply, in_force};
 use crate::report::{Payload, ServiceReport};
 use crate::survival::end_word;
-use crate::survival::standby::{ActiveProcess, Standby};
+use crate::survival::standby::Standby;
 use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError};
 use messages::Topic;
@@ -23,7 +23,11 @@ impl Runtime {
     /// If the link breaks or the run ends before it began.
     pub fn begin(&mut self, scenario: &Scenario) -> Result<(), RuntimeError> {
         self.life.heartbeat = Some(self.publisher()?);
-        self.watch_the_drive()?;
+        let waits = self.injection.faults.waits_for_the_drive();
+        if waits && !self.ports.has(Topic::EgoTruth) && self.cycles.schedule.is_none() {
+            // The service has no other use for the ego's ground truth.
+            self.injection.drive = Some(Box::new(self.subscriber()?));
+        }
         let (carrier, mode) = (self.carrier(), self.group.mode);
         let granted = match (carrier, mode) {
             // The thread is not this service's alone.
@@ -52,38 +56,20 @@ impl Runtime {
         // All services' ports exist now.
         self.ports.connect()?;
         match order.standby_for {
-            Some(active) => self.stand_by(scenario, active, &granted)?,
+            Some(active) => {
+                // Silent before the threads of the standby begin.
+                self.survival.be_silent();
+                let words = &self.ports.transport.peers().expect("a standby is a process").words;
+                let own = (self.service, self.incarnation);
+                let standby = Standby::begin(&self.group, words, scenario, own, active, &granted)?;
+                self.survival.standby = Some(standby);
+            }
             None if !self.survival.gate.claim() => return Err(RuntimeError::Replaced),
             None => {}
         }
         if self.is_restarted() {
             self.catch_up();
         }
-        Ok(())
-    }
-
-    /// Opens the ego's ground truth for faults that wait for it, if the service has no other use for it.
-    fn watch_the_drive(&mut self) -> Result<(), RuntimeError> {
-        let waits = self.injection.faults.waits_for_the_drive();
-        if waits && !self.ports.has(Topic::EgoTruth) && self.cycles.schedule.is_none() {
-            self.injection.drive = Some(Box::new(self.subscriber()?));
-        }
-        Ok(())
-    }
-
-    fn stand_by(
-        &mut self,
-        scenario: &Scenario,
-        active: ActiveProcess,
-        granted: &Granted,
-    ) -> Result<(), RuntimeError> {
-        let own = (self.service, self.incarnation);
-        // Silent before the threads of the standby begin.
-        self.survival.be_silent();
-        let peers = self.ports.transport.peers().expect("a standby is a process");
-        let words = &peers.words;
-        let standby = Standby::begin(&self.group, words, scenario, own, active, granted)?;
-        self.survival.standby = Some(standby);
         Ok(())
     }
 
@@ -96,9 +82,7 @@ impl Runtime {
         }
         self.cycles.next_step = self.cycles.present_step();
     }
-}
 
-impl Runtime {
     /// Reports to the launcher, with the service's own `figures`, and keeps all ports open until all services have
     /// reported. So no last message is lost with its sender.
     pub fn finish(self, figures: impl Serialize) -> Result<(), RuntimeError> {

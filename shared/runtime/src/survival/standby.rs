@@ -8,7 +8,7 @@
 //! The end of the active process is known by [`end_word`], or by its pidfd.
 
 use crate::counts::figures::{Figures, Progress};
-use crate::machine::scheduling::{Granted, Request, above, set_below_services, set_fifo_of};
+use crate::machine::scheduling::{Granted, Request, above, below_services, set_fifo_of};
 use crate::survival::end_word;
 use crate::survival::fence;
 use crate::transport::waking::wake_word;
@@ -127,7 +127,8 @@ impl Standby {
             priority,
         });
         if priority > 0 {
-            set_below_services(scenario);
+            // A standby must not delay the active process.
+            set_fifo_of(0, below_services(scenario));
         }
         let watched = Arc::clone(&order);
         let pidfd =

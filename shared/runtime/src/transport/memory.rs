@@ -155,7 +155,6 @@ pub(crate) struct MemorySender {
     slot: Rc<Slot>,
     /// Messages that were sent, oldest first: what no receiver has any more is written again.
     pool: RefCell<VecDeque<Words>>,
-    /// Length of a message.
     words: usize,
     limit: usize,
     seat: Seat,

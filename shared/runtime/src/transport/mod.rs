@@ -71,7 +71,6 @@ fn buffer_of(topic: Topic, buffer: usize) -> usize {
 #[derive(Debug)]
 pub(crate) enum Transport {
     SharedMemory(SharedMemory),
-    /// A member of a run in one process.
     Memory(Seat),
 }
 
@@ -199,7 +198,6 @@ pub(crate) struct Arrival {
 }
 
 impl Receiver {
-    /// Connects to the senders that exist.
     pub(crate) fn connect(&self) -> Result<(), TransportError> {
         match self {
             Self::SharedMemory(port) => port.update_connections().map_err(TransportError::iceoryx2),
