@@ -57,7 +57,9 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
             None => voice.truth(&unit, time_ns, ego_m),
         };
         shown.header = header;
-        truth.send_with(|message| *message = shown)?;
+        let mut message = truth.loan_used()?;
+        *message = shown;
+        truth.send(message)?;
         voice.send(runtime, header, (&unit, newest), ego_m)?;
         if let Some(preview) = &mut preview {
             preview.send(header, ego_m)?;
