@@ -153,8 +153,8 @@ impl Turns {
 #[derive(Debug)]
 pub(crate) struct MemorySender {
     slot: Rc<Slot>,
-    /// Messages that were sent, oldest first: what no receiver has any more is written again.
-    pool: RefCell<VecDeque<Words>>,
+    /// Messages that were sent: what no receiver has any more is written again.
+    pool: RefCell<Vec<Words>>,
     words: usize,
     limit: usize,
     seat: Seat,
@@ -164,9 +164,10 @@ pub(crate) struct MemorySender {
 impl MemorySender {
     pub(super) fn loan(&self) -> Words {
         let mut pool = self.pool.borrow_mut();
-        let unused = pool.iter().position(|message| Rc::strong_count(message) == 1);
-        let message = unused.and_then(|index| pool.remove(index));
-        message.unwrap_or_else(|| vec![0; self.words].into())
+        match pool.iter().position(|message| Rc::strong_count(message) == 1) {
+            Some(unused) => pool.swap_remove(unused),
+            None => vec![0; self.words].into(),
+        }
     }
 
     pub(super) fn send(&self, message: Words, step: u64) -> Result<(), TransportError> {
@@ -183,7 +184,7 @@ impl MemorySender {
         }
         self.slot.put(&message);
         bus.moved.set(bus.moved.get() + 1);
-        self.pool.borrow_mut().push_back(message);
+        self.pool.borrow_mut().push(message);
         Ok(())
     }
 }
