@@ -7,11 +7,14 @@ use serde::{Deserialize, Serialize};
 use supervise::{Drive, DriveStep};
 
 use super::limits::{
-    ACCELERATION, BEGINS_TO_SLOW_MPS2, CREEP_MPS, CURVE_LATERAL_MARGIN_MPS2, DECELERATION, HOLD_S,
-    JERK, LEAST_GAP_M, LEAST_SHARE_OF_TIME_GAP, LONGEST_TIME_GAP_S, Limit, MAX_TARGET_LOST_S,
-    MOVE_OFF_S, REACTION_MPS2, SHORTEST_TIME_GAP_S, SLOWER_BESIDE_MPS, STANDING_MPS, STEADY_S,
+    ACCELERATION, BEGINS_TO_SLOW_MPS2, BEND_BRAKING_MPS2, BEND_LATERAL_SHARE, CREEP_MPS,
+    CURVE_LATERAL_MARGIN_MPS2, DECELERATION, HOLD_S, JERK, LEAST_GAP_M, LEAST_SHARE_OF_TIME_GAP,
+    LONGEST_TIME_GAP_S, Limit, MAX_TARGET_LOST_S, MOVE_OFF_S, REACTION_MPS2, SHORTEST_TIME_GAP_S,
+    SLOWER_BESIDE_MPS, STANDING_MPS, STEADY_S,
 };
-use super::scenes::{APPROACH_MPS, BRAKES_AT_S, Curve, MOVES_OFF_AT_S, SIDE_BY_SIDE_MPS, Test};
+use super::scenes::{
+    APPROACH_MPS, BRAKES_AT_S, Bend, Curve, MOVES_OFF_AT_S, SIDE_BY_SIDE_MPS, Test,
+};
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Row {
@@ -32,17 +35,20 @@ pub struct Row {
 }
 
 pub fn rows(test: Test, law: &str, scenario: &Scenario, drive: &Drive) -> Vec<Row> {
-    let mut sheet = Sheet { law: law.to_owned(), test: String::new(), rows: Vec::new() };
+    let mut sheet = Sheet { law: law.to_owned(), test: test.name(), rows: Vec::new() };
     match test {
         Test::Acquisition => sheet.acquisition(&drive.steps),
         Test::Discrimination => sheet.discrimination(drive),
         Test::StopAndGo => sheet.stop_and_go(&drive.steps),
-        Test::Curve(curve) => {
-            test.name().clone_into(&mut sheet.test);
-            sheet.curve(curve, scenario, drive);
-        }
+        Test::Curve(curve) => sheet.curve(curve, scenario, drive),
+        Test::Bend(bend) => sheet.bend(bend, drive),
     }
     sheet.rows
+}
+
+/// The largest lateral acceleration of a drive, m/s².
+fn lateral_mps2(drive: &Drive) -> Option<f64> {
+    drive.plane.iter().map(|scene| scene.ego.lateral_acceleration_mps2.abs()).reduce(f64::max)
 }
 
 struct Sheet {
@@ -133,9 +139,23 @@ impl Sheet {
         let taken_s = time_s(JudgedScan::is_neighbour_taken);
         self.at_most("neighbour_followed_s", "s", taken_s, MAX_TARGET_LOST_S);
 
-        let lateral = drive.plane.iter().map(|scene| scene.ego.lateral_acceleration_mps2.abs());
         let most = curve.class.lateral_mps2 + CURVE_LATERAL_MARGIN_MPS2;
-        self.at_most("lateral_acceleration_mps2", "m/s²", lateral.reduce(f64::max), most);
+        self.at_most("lateral_acceleration_mps2", "m/s²", lateral_mps2(drive), most);
+    }
+
+    fn bend(&mut self, bend: Bend, drive: &Drive) {
+        let accepted_mps2 = bend.comfortable_mps() * bend.comfortable_mps() / bend.radius_m;
+        let share = lateral_mps2(drive).map(|lateral_mps2| lateral_mps2 / accepted_mps2);
+        let braking = drive.steps.iter().map(|step| -step.acceleration_mps2).reduce(f64::max);
+        let (in_time_mps2, late_mps2) = BEND_BRAKING_MPS2;
+        if bend.has_map || share.is_none_or(|share| share <= BEND_LATERAL_SHARE) {
+            self.at_most("lateral_share", "1", share, BEND_LATERAL_SHARE);
+        } else {
+            // It showed too late, if the braking was as hard as for a curve in time.
+            self.at_least("braking_for_a_late_bend_mps2", "m/s²", braking, in_time_mps2);
+        }
+        let most_mps2 = if bend.has_map { in_time_mps2 } else { late_mps2 };
+        self.at_most("hardest_braking_mps2", "m/s²", braking, most_mps2);
     }
 
     fn brakes(&mut self, steps: &[DriveStep]) {

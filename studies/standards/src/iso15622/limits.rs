@@ -56,6 +56,17 @@ pub const BEGINS_TO_SLOW_MPS2: f64 = 0.3;
 /// Time for which the target may be lost, or the neighbour followed, s. Since 2026-11-26. Chosen.
 pub const MAX_TARGET_LOST_S: f64 = 0.0;
 
+/// Radii of the bends, m, and speeds before them, m/s. Since 2026-11-28. Chosen: from a street's corner to a motorway,
+/// the most braking and some of the least for each.
+pub const BENDS: [(u16, u16); 8] =
+    [(30, 15), (30, 40), (60, 25), (60, 33), (125, 25), (125, 40), (250, 33), (500, 40)];
+/// Largest lateral acceleration in a bend that shows in time, as a share of the accepted one. Since 2026-11-28. Chosen:
+/// passengers do not feel a tenth more.
+pub const BEND_LATERAL_SHARE: f64 = 1.1;
+/// Hardest braking for a bend that shows in time, and for another one, m/s². Since 2026-11-28. The first is a comfortable
+/// driver's limit, the second ISO 15622's above 20 m/s.
+pub const BEND_BRAKING_MPS2: (f64, f64) = (2.5, 3.5);
+
 /// Speeds between which the limits fall linearly, m/s.
 const SLOW_MPS: f64 = 5.0;
 const FAST_MPS: f64 = 20.0;
@@ -92,23 +103,13 @@ impl Limit {
         steps: &[DriveStep],
         quantity: impl Fn(&DriveStep) -> f64,
     ) -> Option<(f64, f64)> {
-        let mut ends = steps.iter();
-        let mut worst: Option<(f64, f64)> = None;
-        for begin in steps {
+        let windows = steps.iter().filter_map(|begin| {
             let until_s = begin.time_s + self.window_s - 1e-6;
-            let Some(end) = ends.as_slice().iter().find(|step| step.time_s >= until_s) else {
-                break;
-            };
-            while ends.as_slice().first().is_some_and(|step| step.time_s < end.time_s) {
-                ends.next();
-            }
+            let end = steps.get(steps.partition_point(|step| step.time_s < until_s))?;
             let mean = (quantity(end) - quantity(begin)) / (end.time_s - begin.time_s);
-            let limit = self.at(begin.speed_mps);
-            if worst.is_none_or(|(worst, its_limit)| mean - limit > worst - its_limit) {
-                worst = Some((mean, limit));
-            }
-        }
-        worst
+            Some((mean, self.at(begin.speed_mps)))
+        });
+        windows.reduce(|worst, one| if one.0 - one.1 > worst.0 - worst.1 { one } else { worst })
     }
 }
 

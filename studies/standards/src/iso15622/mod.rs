@@ -4,7 +4,8 @@
 //! law ─┬─ target acquisition ──┐
 //!      ├─ target discrimination ┼─► rows: figure, value, limit
 //!      ├─ stop and go ─────────┤
-//!      └─ six curves ──────────┘
+//!      ├─ six curves ──────────┤
+//!      └─ bends, alone ────────┘
 //! ```
 
 mod judge;
@@ -98,7 +99,12 @@ impl Study for Tests {
         batch::whole(&done.summary)?;
         let (law, test) = &self.tests[run];
         let mut rows = judge::rows(*test, law, &job.scenario, &done.drive);
-        rows.extend(done.summary.requirements.iter().map(|verdict| Row {
+        // A bend that shows too late is judged by the braking.
+        let may_be_late = matches!(test, Test::Bend(bend) if !bend.has_map);
+        let requirements = done.summary.requirements.iter();
+        let judged = requirements
+            .filter(|verdict| !(may_be_late && verdict.requirement.starts_with("lateral:")));
+        rows.extend(judged.map(|verdict| Row {
             law: law.clone(),
             test: test.name(),
             figure: verdict.requirement.clone(),

@@ -12,11 +12,13 @@
 //! that and a speed within 1 m/s. The target drives 1 m/s slower than √(a R) here, so the cap of the curve speed is above
 //! it. The neighbour in the outer lane keeps its speed: an ego that follows it does not slow down.
 
+use controller::curve_speed::comfortable_mps;
 use frame::DriveOptions;
+use scenario::controller::Comfort;
 use scenario::{Scenario, Setting, Table, table};
 use supervise::Error;
 
-use super::limits::{Class, STEADY_S};
+use super::limits::{BENDS, Class, STEADY_S};
 
 /// Time when the lead of [`Test::StopAndGo`] brakes, s.
 pub const BRAKES_AT_S: f64 = 25.0;
@@ -30,6 +32,11 @@ pub const APPROACH_MPS: f64 = 30.0;
 /// Time on the line of a curve test, in which the law settles, s.
 const SETTLES_S: f64 = 30.0;
 const CLOTHOID_M: f64 = 80.0;
+/// Line before a bend, m: from 40 to 8 m/s it takes 770 m with 1 m/s². Time in which the slowest is through, s.
+const BEND_AFTER_M: f64 = 900.0;
+const BEND_S: f64 = 90.0;
+/// Clothoid of a bend, m: as short as those of tight curves on public roads.
+const SHORT_CLOTHOID_M: f64 = 30.0;
 /// Time of the ego on the arc before the target slows down, s.
 const ON_ARC_S: f64 = STEADY_S + 2.0;
 /// Time after that, s.
@@ -53,6 +60,16 @@ pub enum Test {
     StopAndGo,
     /// The ego follows through a curve.
     Curve(Curve),
+    /// The ego comes to a curve on an empty road, faster than it may drive there.
+    Bend(Bend),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bend {
+    pub radius_m: f64,
+    /// Speed before the bend, m/s.
+    speed_mps: f64,
+    pub has_map: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +83,12 @@ impl Test {
     pub fn all() -> impl Iterator<Item = Self> {
         let curve = |class| [true, false].map(|is_left| Self::Curve(Curve { class, is_left }));
         let curves = Class::ALL.into_iter().flat_map(curve);
-        [Self::Acquisition, Self::Discrimination, Self::StopAndGo].into_iter().chain(curves)
+        let bends = BENDS.into_iter().flat_map(|(radius_m, speed_mps)| {
+            let (radius_m, speed_mps) = (radius_m.into(), speed_mps.into());
+            [true, false].map(|has_map| Self::Bend(Bend { radius_m, speed_mps, has_map }))
+        });
+        let straight = [Self::Acquisition, Self::Discrimination, Self::StopAndGo];
+        straight.into_iter().chain(curves).chain(bends)
     }
 
     pub fn name(self) -> String {
@@ -76,6 +98,10 @@ impl Test {
             Self::StopAndGo => "stop-and-go".to_owned(),
             Self::Curve(Curve { class, is_left }) => {
                 format!("curve-class-{}-{}", class.name, if is_left { "left" } else { "right" })
+            }
+            Self::Bend(Bend { radius_m, speed_mps, has_map }) => {
+                let by = if has_map { "map" } else { "radar" };
+                format!("bend-{radius_m}m-{speed_mps}mps-{by}")
             }
         }
     }
@@ -105,6 +131,7 @@ impl Test {
                 let duration_s = curve.slows_at_s() + ANSWERS_S;
                 (duration_s, speed_mps + SET_ABOVE_MPS, speed_mps, curve.keys())
             }
+            Self::Bend(bend) => (BEND_S, bend.speed_mps, bend.speed_mps, bend.keys()),
         };
         let engine = table! { mass_kg: 1600, max_power_kw: 110 };
         let own = [
@@ -133,6 +160,32 @@ fn steps(steps: &[(f64, f64, f64)]) -> Table {
         table! { time_s: time_s, speed_mps: speed_mps, acceleration_mps2: acceleration_mps2 }
     };
     table! { profile: table! { steps: steps.iter().map(step).collect::<Vec<_>>() } }
+}
+
+/// Pieces of a road with one curve.
+fn pieces(line_m: f64, spiral_m: f64, arc_m: f64, radius_m: f64, turn: &str) -> Setting {
+    let spiral = || table! { spiral_m: spiral_m };
+    let arc = table! { arc_m: arc_m, radius_m: radius_m, turn: turn };
+    let line = |line_m: f64| table! { line_m: line_m };
+    let pieces = vec![line(line_m), spiral(), arc, spiral(), line(500.0)];
+    Setting::new("road.plan.pieces", pieces)
+}
+
+impl Bend {
+    /// Speed of the accepted lateral acceleration, m/s.
+    pub fn comfortable_mps(self) -> f64 {
+        comfortable_mps(&Comfort::default(), 1.0 / self.radius_m)
+    }
+
+    /// The road, and what is known of it.
+    fn keys(self) -> Vec<Setting> {
+        let arc_m = 4.0 * self.comfortable_mps();
+        let mut keys = vec![pieces(BEND_AFTER_M, SHORT_CLOTHOID_M, arc_m, self.radius_m, "left")];
+        if !self.has_map {
+            keys.push(Setting::new("v2x.preview.ends_at_m", 0.0));
+        }
+        keys
+    }
 }
 
 impl Curve {
@@ -166,16 +219,12 @@ impl Curve {
         let (loses_mps, in_s) = LOSES;
         let (slower_mps, loses_mps2) = (speed_mps - loses_mps, loses_mps / in_s);
         let (turn, beside_m) = if self.is_left { ("left", -LANE_M) } else { ("right", LANE_M) };
-        let spiral = || table! { spiral_m: CLOTHOID_M };
-        let arc = table! { arc_m: arc_m, radius_m: radius_m, turn: turn };
-        let line = |line_m: f64| table! { line_m: line_m };
-        let pieces = vec![line(line_m), spiral(), arc, spiral(), line(500.0)];
         let slows = steps(&[(slows_at_s, slower_mps, loses_mps2)]);
         let target = actor("target", gap_m, speed_mps, slows);
         let beside = table! { lateral_offset_m: beside_m };
         let neighbour = actor("neighbour", gap_m, speed_mps, beside);
         vec![
-            Setting::new("road.plan.pieces", pieces),
+            pieces(line_m, CLOTHOID_M, arc_m, radius_m, turn),
             Setting::new("actors", vec![target, neighbour]),
         ]
     }
@@ -214,7 +263,8 @@ mod tests {
             names[..4],
             ["acquisition", "discrimination", "stop-and-go", "curve-class-ii-left"]
         );
-        assert_eq!(names.last().map(String::as_str), Some("curve-class-iv-right"));
+        assert_eq!(names[8..10], ["curve-class-iv-right", "bend-30m-15mps-map"]);
+        assert_eq!(names.last().map(String::as_str), Some("bend-500m-40mps-radar"));
     }
 
     #[test]
