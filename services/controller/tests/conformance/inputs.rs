@@ -1,6 +1,8 @@
 //! Inputs: ordinary ones, random ones, and numbers that no vehicle has.
 
-use controller::law::{Ego, Input, Phase, PhaseInterval, Powertrain, Preview, SignalAhead, Target};
+use controller::law::{
+    Ego, Input, Phase, PhaseInterval, Powertrain, Preview, SignalAhead, SpeedProfile, Target,
+};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 
@@ -82,6 +84,13 @@ pub fn random(rng: &mut Pcg64, k: u32) -> Input {
         let grades = core::array::from_fn(|_| uniform(rng, -0.06, 0.06));
         let count = rng.next_u32() as usize % 70;
         input.preview = Some(Preview { start_m, cell_m: 50.0, grades, count });
+    }
+    if rng.next_u32().is_multiple_of(3) {
+        let mut profile = SpeedProfile::constant(input.wanted_speed_mps());
+        let from_m = uniform(rng, 0.0, 600.0);
+        profile.cap(from_m, from_m + 50.0, uniform(rng, 0.0, 40.0), 1.0);
+        profile.brake(uniform(rng, 0.5, 3.5));
+        input.profile = Some(profile);
     }
     for slot in input.signals.iter_mut().take(rng.next_u32() as usize % 3) {
         let phase = [Phase::Unknown, Phase::Green, Phase::Yellow, Phase::Red];

@@ -1,7 +1,9 @@
 //! Single scenes, each one case that a road brings.
 
+use law::following::kinematics::Lag;
 use law::{
-    Ego, Input, Law, MAX_SIGNALS, Output, Phase, PhaseInterval, Quality, SignalAhead, Target,
+    Ego, Input, Law, MAX_SIGNALS, Output, Phase, PhaseInterval, Quality, SignalAhead, SpeedProfile,
+    Target,
 };
 use laws::cacc::config::Config;
 use laws::cacc::{Signals, build, road};
@@ -290,6 +292,37 @@ fn the_plan_is_exported_whole_and_repeats_to_the_bit() {
     law.reset();
     law.step(&red_ahead(), &mut two);
     assert_eq!(one, two);
+}
+
+#[test]
+fn the_plan_keeps_to_the_speeds_that_the_road_allows_along_the_horizon() {
+    let mut profile = SpeedProfile::constant(20.0);
+    profile.cap(120.0, 140.0, 12.0, 1.5);
+    profile.brake(1.5);
+    let lag = Lag { tau_s: Config::default().model_time_constant_s }.discretise(0.1);
+    let planned = |profile: Option<SpeedProfile>| {
+        let ego = Ego { speed_mps: 20.0, ..Ego::default() };
+        let speed_limit_mps = f64::INFINITY;
+        let free =
+            Input { period_s: 0.1, ego, set_speed_mps: 20.0, speed_limit_mps, ..Input::default() };
+        let mut output = Output::default();
+        law().step(&Input { profile, ..free }, &mut output);
+        let mut at = ego.motion();
+        let advance = |request: &f64| {
+            at = lag.advance(at, *request);
+            at
+        };
+        output.plan_mps2[..output.plan_len].iter().map(advance).collect::<Vec<_>>()
+    };
+    let plan = planned(Some(profile));
+    for at in &plan {
+        let allowed_mps = profile.at_mps(at.position_m);
+        assert!(at.speed_mps <= allowed_mps + 0.3, "{at:?}, {allowed_mps} m/s");
+        assert!(at.acceleration_mps2 >= -2.0, "{at:?}");
+    }
+    let slowest_mps = plan.iter().map(|at| at.speed_mps).fold(f64::INFINITY, f64::min);
+    assert!((11.0..12.3).contains(&slowest_mps), "{slowest_mps}");
+    assert!(planned(None).iter().all(|at| (at.speed_mps - 20.0).abs() < 0.01));
 }
 
 #[test]
