@@ -19,7 +19,7 @@
 //!
 //! which is (x, y) where κ = 0. The body does not point along the way of its bumper. It turns about its rear axle, and
 //! the tyres slip. The way's heading there is κ (l - k v²). l is the distance from the bumper to the rear axle. k is
-//! the slip of the rear tyres per lateral acceleration ([`Body`]).
+//! the slip of the rear tyres per lateral acceleration ([`OwnWay::new`]).
 //!
 //! ```
 //! use aebs::circle::Circle;
@@ -39,15 +39,6 @@ const SLOWEST_MPS: f64 = 3.0;
 /// Standard deviation of the road's curvature around that of the circle, 1/m. Chosen: the driver's own steering (0.2 m
 /// of wander in 3 s), and a yaw rate that is off by 0.1 °/s.
 const SIGMA_PERM: f64 = 3e-4;
-
-/// Heading and bumper of the ego's body beside its way.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Body {
-    /// Distance of the front bumper ahead of the rear axle, m; 0 of a body that points along its way.
-    pub bumper_m: f64,
-    /// Slip angle of the rear tyres per lateral acceleration, rad per m/s².
-    pub slip_rad_per_mps2: f64,
-}
 
 /// A circle through the middle of the ego's front bumper.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -99,12 +90,6 @@ impl Circle {
         (x_m * cosine - y_m * sine, y_m * cosine + x_m * sine)
     }
 
-    /// Standard deviation of the road's distance from the circle at `along_m`, m.
-    #[must_use]
-    pub fn sigma_m(along_m: f64) -> f64 {
-        0.5 * SIGMA_PERM * along_m * along_m
-    }
-
     /// A place on this circle as seen from the `next` one, when the ego has driven `way_m` and has turned by
     /// `turn_rad`. The place has been moved back by the way already.
     pub(crate) fn seen_from(
@@ -120,10 +105,12 @@ impl Circle {
     }
 }
 
-/// The curvature of the ego's way.
-#[derive(Clone, Debug)]
+/// The curvature of the ego's way. The default is that of a straight road.
+#[derive(Clone, Debug, Default)]
 pub struct OwnWay {
-    body: Body,
+    bumper_m: f64,
+    slip_rad_per_mps2: f64,
+    curvature_sigma_perm: f64,
     curvature_perm: f64,
     yaw_rate_radps: f64,
     speed_mps: f64,
@@ -131,10 +118,11 @@ pub struct OwnWay {
 }
 
 impl OwnWay {
-    /// A straight way, of a car with this body.
+    /// The way of a car on a road with curves, before its first yaw rate. Its front bumper is `bumper_m` ahead of the
+    /// rear axle (0: the body points along its way). The rear tyres slip by an angle per lateral acceleration.
     #[must_use]
-    pub fn new(body: Body) -> Self {
-        Self { body, curvature_perm: 0.0, yaw_rate_radps: 0.0, speed_mps: 0.0, last_ns: None }
+    pub fn new(bumper_m: f64, slip_rad_per_mps2: f64) -> Self {
+        Self { bumper_m, slip_rad_per_mps2, curvature_sigma_perm: SIGMA_PERM, ..Self::default() }
     }
 
     /// Takes the yaw rate that was acquired at `acquired_ns` by an ego of `speed_mps`. A sample that is not later than
@@ -153,6 +141,11 @@ impl OwnWay {
         self.curvature_perm += gain * (yaw_rate_radps / speed_mps - self.curvature_perm);
     }
 
+    /// True on a road that may have curves.
+    pub(crate) fn is_curved(&self) -> bool {
+        self.curvature_sigma_perm > 0.0
+    }
+
     /// The newest yaw rate, rad/s.
     #[must_use]
     pub fn yaw_rate_radps(&self) -> f64 {
@@ -162,9 +155,13 @@ impl OwnWay {
     /// The way ahead.
     #[must_use]
     pub fn circle(&self) -> Circle {
-        let Body { bumper_m, slip_rad_per_mps2 } = self.body;
-        let lever_m = bumper_m - slip_rad_per_mps2 * self.speed_mps * self.speed_mps;
+        let lever_m = self.bumper_m - self.slip_rad_per_mps2 * self.speed_mps * self.speed_mps;
         Circle { curvature_perm: self.curvature_perm, heading_rad: self.curvature_perm * lever_m }
+    }
+
+    /// Standard deviation of the road's distance from the circle at `along_m`, m; 0 on a straight road.
+    pub(crate) fn sigma_m(&self, along_m: f64) -> f64 {
+        0.5 * self.curvature_sigma_perm * along_m * along_m
     }
 }
 
@@ -231,11 +228,13 @@ mod tests {
         assert!((seen.0 - 39.0).abs() < 0.03 && (seen.1 + 3.5).abs() < 0.01, "{seen:?}");
     }
 
-    const BODY: Body = Body { bumper_m: 3.6, slip_rad_per_mps2: 0.0055 };
+    fn car() -> OwnWay {
+        OwnWay::new(3.6, 0.0055)
+    }
 
     #[test]
     fn a_curvature_comes_with_the_lag_and_stays_when_the_ego_stops() {
-        let mut way = OwnWay::new(BODY);
+        let mut way = car();
         let mut time_ns = 0;
         let mut drive = |way: &mut OwnWay, yaw_rate_radps, speed_mps, cycles| {
             for _ in 0..cycles {
@@ -259,7 +258,7 @@ mod tests {
     #[test]
     fn a_yaw_rate_shows_the_curvature_from_3_mps_on() {
         let curvature_perm = |speed_mps: f64| {
-            let mut way = OwnWay::new(BODY);
+            let mut way = car();
             way.take(0, 0.03, speed_mps);
             assert_eq!(way.yaw_rate_radps(), 0.03);
             way.circle().curvature_perm
@@ -270,7 +269,7 @@ mod tests {
     #[test]
     fn the_body_points_inwards_when_fast_and_outwards_when_slow() {
         let heading_deg = |radius_m: f64, speed_mps: f64| {
-            let mut way = OwnWay::new(BODY);
+            let mut way = car();
             way.take(0, speed_mps / radius_m, speed_mps);
             way.circle().heading_rad.to_degrees()
         };

@@ -10,7 +10,7 @@
 
 use crate::decision::Path;
 use crate::filter::{Lateral, overlap};
-use crate::object::Object;
+use crate::object::{HALF_WIDTH_M, Object};
 
 /// Slower than this above the other's speed it is not a collision, m/s.
 const LEAST_CLOSING_MPS: f64 = 2.0;
@@ -20,11 +20,10 @@ const LEAST_PROBABILITY: f64 = 0.05;
 /// `first` as it will be where it hits `second`; `None` if it will not, or not in the ego's `path`.
 #[must_use]
 pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Option<Object> {
-    if second.lateral.position_m.abs() > second.half_width_m + path.half_width_m {
+    if second.lateral.position_m.abs() > HALF_WIDTH_M + path.half_width_m {
         return None;
     }
     let time_s = time_to_contact_s(first, second)?;
-    let reach_m = first.half_width_m + second.half_width_m;
     let second_sigma_m = second.lateral.position_sigma_m();
     let carried_s = time_s.min(path.horizon_s);
     let (mut touching, mut moment_m) = (0.0, 0.0);
@@ -32,7 +31,7 @@ pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Op
         let position_m = h.position_m + h.rate_mps * carried_s;
         let off_m = (position_m - second.lateral.position_m).abs();
         let sigma_m = libm::hypot(h.sigma_after_m(carried_s), second_sigma_m);
-        let touches = overlap(reach_m, off_m, sigma_m);
+        let touches = overlap(2.0 * HALF_WIDTH_M, off_m, sigma_m);
         touching += h.probability * touches;
         moment_m += h.probability * touches * position_m;
     }
@@ -41,10 +40,8 @@ pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Op
         distance_m: second.distance_m - first.length_m,
         speed_mps: second.speed_mps,
         acceleration_mps2: second.acceleration_mps2,
-        lateral: Lateral::known(moment_m / touching, 0.0),
+        lateral: Lateral::still(moment_m / touching),
         probability,
-        // The first may hit something beside a curve ahead, and drive through that curve.
-        row_m: second.row_m,
         ..*first
     })
 }
@@ -81,11 +78,11 @@ mod tests {
 
     /// A lead at 20 m with 25 m/s, and what stands 50 m before it.
     fn lead(offset_m: f64, lateral_mps: f64) -> Object {
-        Object::at(20.0, 25.0, offset_m, lateral_mps, 0.95)
+        Object::at(20.0, 25.0, offset_m, lateral_mps)
     }
 
     fn standing(offset_m: f64) -> Object {
-        Object::at(74.3, 0.0, offset_m, 0.0, 0.95)
+        Object::at(74.3, 0.0, offset_m, 0.0)
     }
 
     #[test]

@@ -10,33 +10,82 @@
 //! | [`BrakeState::Monitoring`] | at the start | |
 //! | [`BrakeState::Warning`] | as braking, with braking that begins `warning_s` later | no such threat |
 //! | [`BrakeState::Braking`] | a contact is likely, braking makes it less likely or milder, and one cycle later it may leave less than the margin | letting go is safe, or surely passes; the ego stands |
-//! | [`BrakeState::Holding`] | the ego stands after braking | after `hold_s` |
+//! | [`BrakeState::Holding`] | the ego stands after braking | after [`HOLD_S`] |
 //!
-//! The margin is computed with less than the brakes' authority (`counted_on_mps2` of [`Numbers`]). The rest is the
-//! reserve for another vehicle that begins to brake. A lead, which moves in the path, may do so with
-//! `lead_may_brake_mps2`. A driver's braking (`answer_mps2`) may no longer be enough. The whole authority must then
-//! still leave the margin when that is noticed (`notices_s`).
+//! The margin is computed with less than the brakes' authority ([`COUNTED_ON_MPS2`]). The rest is the reserve for
+//! another vehicle that begins to brake. A lead, which moves in the path, may do so with [`LEAD_MAY_BRAKE_MPS2`]. A
+//! driver's braking ([`ANSWER_MPS2`]) may no longer be enough. The whole authority must then still leave the margin when
+//! that is noticed ([`NOTICES_S`]).
 //!
-//! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and `clear_m`. And if
+//! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and [`CLEAR_M`]. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
 //!
 //! An oncoming vehicle may reach the ego however early it stands. Braking for it begins when the contact would otherwise
 //! be harder.
 //!
 //! An object on a row that crosses the ego's way may stand beside a curve ahead. It neither warns nor brakes before the
-//! last point to steer (`steer_s`): the road would have bent by then.
+//! last point to steer ([`STEER_S`]): the road would have bent by then.
 //!
-//! A contact is likely if it is with the ego's present acceleration. Cruise control and driver brake long
+//! To brake for nothing costs something too: who follows may not stop in time. A contact is likely where the expected
+//! cost of not braking is the greater one:
+//!
+//! ```text
+//! P (c + Δv) > (1 - P) (c + f)          P: probability of the contact, Δv: closing speed
+//!                                       c: cost of any contact at all, f: closing speed of a contact
+//! P > (c + f) / (2 c + f + Δv)             that is as bad as braking for nothing
+//! ```
+//!
+//! P is that with the ego's present acceleration. Cruise control and driver brake long
 //! before the last point, so that their braking keeps this system silent. Source of the order of warning and
 //! braking: UN R152, paragraphs 5.2.1 and 6.4.
 
 use crate::filter::overlap;
-use crate::numbers::Numbers;
-use crate::object::Object;
+use crate::object::{HALF_WIDTH_M, Object};
 use crate::prediction::{Authority, Beside, Ego, Plan, Threat};
-use crate::row::Places;
 use messages::BrakeState;
 
+/// Time for which the brakes are held after a stop, s. Chosen: the driver has that time to take over.
+const HOLD_S: f64 = 1.0;
+/// Time for which the brake acts on a threat that is no longer seen, s. Chosen: six scans of 50 ms.
+const UNSEEN_S: f64 = 0.3;
+/// Deceleration that the last point counts on, m/s². Chosen: braking that any dry road gives.
+const COUNTED_ON_MPS2: f64 = 6.0;
+/// Braking of driver and law with which nothing need be kept in reserve for a lead, m/s². Chosen: as hard as the
+/// plant's own stop in lane. A fifth more: 1 avoidable collision in 300 random drives instead of 0.
+const ANSWER_MPS2: f64 = 2.5;
+/// Braking that a lead may begin with while the ego's own answer is not enough, m/s². Chosen: a minimum risk manoeuvre
+/// (UN R157, 5.5.1).
+const LEAD_MAY_BRAKE_MPS2: f64 = 4.0;
+/// Time until the braking of a lead is known, s. Found: the objects show hard braking within it (objects/tests.rs).
+const NOTICES_S: f64 = 0.25;
+/// Distance beyond the margin at which the ego is clear without brakes, m. Chosen: five standard deviations of a range.
+const CLEAR_M: f64 = 0.5;
+/// A pass that leaves less than this behind it counts as a contact, m. Chosen: as much as the end of a vehicle is
+/// uncertain.
+const PASS_MARGIN_M: f64 = 1.0;
+/// Speed below which the ego or another vehicle stands, m/s. Chosen: half of the resolution of a wheel speed sensor.
+const STANDSTILL_MPS: f64 = 0.05;
+/// Cost of any contact, and of braking for nothing in excess of it, as closing speeds, m/s. Chosen: a contact at 5 m/s
+/// counts twice a touch. Together they give the probabilities 0.65, 0.35 and 0.2 at 0, 12 and 32 m/s.
+const CONTACT_COST_MPS: f64 = 5.0;
+const FALSE_COST_MPS: f64 = 4.3;
+/// Largest share of the expected loss that is left for braking to be worth while. Chosen.
+const BETTER_SHARE: f64 = 0.6;
+/// Probability from which a contact is as good as certain: to make it milder is reason enough. Chosen.
+const CERTAIN: f64 = 0.9;
+/// Probability up to which a contact is not to be feared. Chosen.
+const REMOTE: f64 = 0.05;
+/// Closing speed whose loss is twice that of the lightest contact, m/s. Chosen: contacts count more than their speed.
+const SEVERE_MPS: f64 = 60.0;
+/// Lateral speed below which a motion may be wandering within the lane, m/s. Chosen: three times the standard deviation
+/// of lane keeping. At standstill it ceases at a rate, 1/s.
+const WANDERING_MPS: f64 = 0.8;
+const CEASES_PER_S: f64 = 0.6;
+/// Distance of its middle from the ego's axis from which something may be leaving, m. Chosen.
+const LEAVING_OFFSET_M: f64 = 0.8;
+/// Time before a contact from which an object on a row that crosses the way is braked for, s. Chosen: to move 2 m aside
+/// with 4 m/s² takes that long. A road that bends along the row would bend by then.
+const STEER_S: f64 = 1.0;
 /// Speed towards the ego from which a vehicle is oncoming, m/s. One that rolls back is slower, and does not turn off.
 const ONCOMING_MPS: f64 = 1.0;
 /// Share of what braking takes off a closing speed in a time. A delay by this time that loses as much comes too late.
@@ -83,7 +132,6 @@ pub struct Demand {
 #[derive(Clone, Debug)]
 pub struct Decision {
     settings: Settings,
-    numbers: Numbers,
     state: BrakeState,
     /// Time in [`BrakeState::Holding`], or without a threat while braking, s.
     waited_s: f64,
@@ -92,14 +140,14 @@ pub struct Decision {
 }
 
 /// Demand of one object.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Assessment {
     /// Expected loss without brakes.
     loss: f64,
     warns: bool,
     brakes: bool,
-    /// The ego is clear of it without brakes.
-    clear: bool,
+    /// The ego is not clear of it without brakes.
+    holds_on: bool,
     acceleration_mps2: f64,
     threat: (f64, f64, f64),
 }
@@ -111,18 +159,18 @@ struct Contact {
     loss: f64,
 }
 
+/// Least probability of a contact to brake for at a closing speed.
+fn likely(closing_mps: f64) -> f64 {
+    let for_nothing_mps = CONTACT_COST_MPS + FALSE_COST_MPS;
+    for_nothing_mps / (for_nothing_mps + CONTACT_COST_MPS + closing_mps.max(0.0))
+}
+
 impl Decision {
     /// No threat yet.
     #[must_use]
     pub fn new(settings: Settings) -> Self {
-        Self::with_numbers(settings, Numbers::DEFAULT)
-    }
-
-    /// The same with other numbers.
-    #[must_use]
-    pub fn with_numbers(settings: Settings, numbers: Numbers) -> Self {
         let state = BrakeState::Monitoring;
-        Self { settings, numbers, state, waited_s: 0.0, hardest_mps2: 0.0 }
+        Self { settings, state, waited_s: 0.0, hardest_mps2: 0.0 }
     }
 
     /// The state after the last step.
@@ -137,225 +185,198 @@ impl Decision {
         self.settings.path
     }
 
-    /// Takes the objects as they are now among standing `places`, once in each period.
+    /// Takes the objects as they are now, once in each period. `is_on_row` is asked about standing ones that the ego
+    /// would brake for.
     pub fn step(
         &mut self,
         ego: &Ego,
         objects: impl IntoIterator<Item = Object>,
-        places: &Places,
+        is_on_row: impl Fn(&Object) -> bool,
     ) -> Demand {
-        let assess = |object: Object| self.assess(ego, &object, places);
-        let assessments = objects.into_iter().filter_map(assess);
-        let (mut worst, mut brakes, mut warns, mut clear) =
-            (None::<Assessment>, false, false, true);
-        for assessment in assessments {
-            brakes |= assessment.brakes;
-            warns |= assessment.warns;
-            clear &= assessment.clear;
+        let (mut worst, mut all) = (None::<Assessment>, Assessment::default());
+        for object in objects {
+            let found = match self.state {
+                BrakeState::Braking => self.assess_release(ego, &object),
+                _ => self.assess_threat(ego, &object, &is_on_row),
+            };
+            let Some(assessment) = found else { continue };
+            all.brakes |= assessment.brakes;
+            all.warns |= assessment.warns;
+            all.holds_on |= assessment.holds_on;
             if worst.is_none_or(|worst| assessment.loss > worst.loss) {
                 worst = Some(assessment);
             }
         }
-        let Numbers { standstill_mps, unseen_s, hold_s, .. } = self.numbers;
         let waited_s = self.waited_s + self.settings.period_s;
         let before = self.state;
         self.state = match before {
-            BrakeState::Braking if ego.speed_mps <= standstill_mps => BrakeState::Holding,
-            BrakeState::Braking if worst.is_none() && waited_s < unseen_s => BrakeState::Braking,
-            BrakeState::Braking if worst.is_some() && !clear => BrakeState::Braking,
-            BrakeState::Holding if waited_s < hold_s => BrakeState::Holding,
-            _ if brakes => BrakeState::Braking,
-            _ if warns => BrakeState::Warning,
+            BrakeState::Braking if ego.speed_mps <= STANDSTILL_MPS => BrakeState::Holding,
+            BrakeState::Braking if worst.is_none() && waited_s < UNSEEN_S => BrakeState::Braking,
+            BrakeState::Braking if all.holds_on => BrakeState::Braking,
+            BrakeState::Holding if waited_s < HOLD_S => BrakeState::Holding,
+            _ if all.brakes => BrakeState::Braking,
+            _ if all.warns => BrakeState::Warning,
             _ => BrakeState::Monitoring,
         };
-        let waits =
-            self.state == before && !brakes && worst.is_none_or(|_| before == BrakeState::Holding);
-        self.waited_s = if waits { waited_s } else { 0.0 };
-        let of_worst = worst.map_or(0.0, |worst| worst.acceleration_mps2.min(0.0));
+        let waits = worst.is_none() || before == BrakeState::Holding && !all.brakes;
+        self.waited_s = if waits && self.state == before { waited_s } else { 0.0 };
+        let of_worst_mps2 = worst.map_or(0.0, |worst| worst.acceleration_mps2.min(0.0));
         self.hardest_mps2 = match self.state {
-            BrakeState::Braking => self.hardest_mps2.min(of_worst),
+            BrakeState::Braking => self.hardest_mps2.min(of_worst_mps2),
             _ => 0.0,
         };
-        let active = matches!(self.state, BrakeState::Braking | BrakeState::Holding);
-        let full = self.settings.authority.deceleration_mps2;
+        let acts = matches!(self.state, BrakeState::Braking | BrakeState::Holding);
+        let full_mps2 = self.settings.authority.deceleration_mps2;
+        let reason = worst.filter(|_| self.state != BrakeState::Monitoring);
         Demand {
             state: self.state,
-            deceleration_mps2: if active { full } else { 0.0 },
-            threat: worst
-                .filter(|_| self.state != BrakeState::Monitoring)
-                .map(|worst| worst.threat),
+            deceleration_mps2: if acts { full_mps2 } else { 0.0 },
+            threat: reason.map(|worst| worst.threat),
         }
     }
 
-    /// `None` for what the ego does not come near to.
-    fn assess(&self, ego: &Ego, object: &Object, places: &Places) -> Option<Assessment> {
-        let Settings { authority, period_s, margin_m, warning_s, ego_length_m, .. } =
-            &self.settings;
+    fn threat(&self, object: &Object) -> Threat {
         // The noise of a range rate is not a motion. Over some seconds it would reach an ego that stops closely behind.
-        let stands = object.speed_mps.abs() <= self.numbers.standstill_mps;
-        let threat = Threat {
+        let stands = object.speed_mps.abs() <= STANDSTILL_MPS;
+        Threat {
             gap_m: object.distance_m,
             speed_mps: if stands { 0.0 } else { object.speed_mps },
             acceleration_mps2: object.acceleration_mps2,
-            passed_m: ego_length_m + object.length_m,
-        };
-        let steady = Threat { acceleration_mps2: object.acceleration_mps2.min(0.0), ..threat };
-        let numbers = &self.numbers;
-        // A standing object cannot begin to brake: no reserve is kept for it.
-        let counted_on = Authority {
-            deceleration_mps2: if object.stands() {
-                authority.deceleration_mps2
-            } else {
-                authority.deceleration_mps2.min(numbers.counted_on_mps2)
-            },
-            ..*authority
-        };
-        let contact = |threat: &Threat, plan: Plan, clear_m: f64| {
-            let beside = authority.beside(ego, threat, plan, clear_m);
-            beside.map_or(Contact::default(), |beside| self.contact(object, &beside))
-        };
-        let mut assessment = Assessment {
-            loss: 0.0,
-            warns: false,
-            brakes: false,
-            clear: true,
-            acceleration_mps2: object.acceleration_mps2,
-            threat: (
-                object.distance_m,
-                object.speed_mps - ego.speed_mps,
-                object.lateral.position_m,
-            ),
-        };
-        if self.state == BrakeState::Braking {
-            let near = contact(&steady, Plan::Release, *margin_m + numbers.clear_m);
-            let brakes_on = Threat {
-                acceleration_mps2: steady.acceleration_mps2.min(self.hardest_mps2),
-                ..threat
-            };
-            let released = Ego { acceleration_mps2: ego.acceleration_mps2.max(0.0), ..*ego };
-            let anew = |threat: &Threat| {
-                let beside =
-                    counted_on.beside(&released, threat, Plan::Brake(*period_s), *margin_m);
-                beside.map_or(0.0, |beside| self.contact(object, &beside).probability)
-            };
-            let passes = || {
-                let release = contact(&steady, Plan::Release, 0.0);
-                release.probability <= numbers.clear_probability
-                    && release.loss < contact(&threat, Plan::BrakeOn, 0.0).loss
-            };
-            assessment.loss = near.loss;
-            let is_safe = near.probability <= numbers.clear_probability
-                && anew(&brakes_on) <= numbers.clear_probability;
-            assessment.clear = is_safe || passes();
-            let matters = near.probability.max(anew(&brakes_on)) > numbers.of_no_interest;
-            return matters.then_some(assessment);
+            passed_m: self.settings.ego_length_m + object.length_m,
         }
-        let passing = Threat { passed_m: threat.passed_m + numbers.pass_margin_m, ..threat };
-        let kept = contact(&passing, Plan::Keep, 0.0);
-        assessment.loss = kept.loss;
-        if kept.probability < numbers.likely(ego.speed_mps - object.speed_mps) {
-            return (kept.probability > numbers.of_no_interest).then_some(assessment);
+    }
+
+    /// Authority that the margin is computed with. A standing object cannot begin to brake: no reserve is kept for it.
+    fn counted_on(&self, object: &Object) -> Authority {
+        let authority = self.settings.authority;
+        let most_mps2 = if object.stands() { f64::INFINITY } else { COUNTED_ON_MPS2 };
+        Authority { deceleration_mps2: authority.deceleration_mps2.min(most_mps2), ..authority }
+    }
+
+    /// An object while the ego brakes; `None` for what it does not come near to.
+    fn assess_release(&self, ego: &Ego, object: &Object) -> Option<Assessment> {
+        let Settings { authority, period_s, margin_m, .. } = &self.settings;
+        let threat = self.threat(object);
+        let steady = Threat { acceleration_mps2: threat.acceleration_mps2.min(0.0), ..threat };
+        let released =
+            |clear_m| self.contact(object, authority.beside(ego, &steady, Plan::Release, clear_m));
+        let hardest_mps2 = steady.acceleration_mps2.min(self.hardest_mps2);
+        let brakes_on = Threat { acceleration_mps2: hardest_mps2, ..threat };
+        let unbraked = Ego { acceleration_mps2: ego.acceleration_mps2.max(0.0), ..*ego };
+        let anew = Plan::Brake(*period_s);
+        let again = self.counted_on(object).beside(&unbraked, &brakes_on, anew, *margin_m);
+        let near = released(*margin_m + CLEAR_M);
+        if near.probability.max(self.contact(object, again).probability) <= REMOTE {
+            return None;
         }
-        if object.row_m.is_some()
-            && !self.is_last_point_to_steer(ego, &passing)
-            && places.have_on_row(object)
-        {
+        let passing = released(0.0);
+        let braked = self.contact(object, authority.beside(ego, &threat, Plan::BrakeOn, 0.0));
+        let passes = passing.probability <= REMOTE && passing.loss < braked.loss;
+        Some(Assessment { holds_on: !passes, ..Assessment::of(ego, object, near.loss) })
+    }
+
+    /// An object while the ego does not brake; `None` for what it does not come near to.
+    fn assess_threat(
+        &self,
+        ego: &Ego,
+        object: &Object,
+        is_on_row: impl Fn(&Object) -> bool,
+    ) -> Option<Assessment> {
+        let Settings { authority, period_s, margin_m, warning_s, .. } = &self.settings;
+        let threat = self.threat(object);
+        let passing = Threat { passed_m: threat.passed_m + PASS_MARGIN_M, ..threat };
+        let keep = authority.beside(ego, &passing, Plan::Keep, 0.0)?;
+        let kept = self.contact(object, Some(keep));
+        let mut assessment = Assessment::of(ego, object, kept.loss);
+        if kept.probability < likely(ego.speed_mps - object.speed_mps) {
+            return (kept.probability > REMOTE).then_some(assessment);
+        }
+        if object.stands() && keep.first_s > STEER_S && is_on_row(object) {
             return Some(assessment);
         }
-        // Each prediction is made only where those before it leave the question open.
         let is_late = |authority: &Authority, threat: &Threat, wait_s: f64| {
             let beside = authority.beside(ego, threat, Plan::Brake(wait_s), *margin_m);
-            beside.is_some_and(|beside| self.contact(object, &beside).probability > numbers.remote)
+            self.contact(object, beside).probability > REMOTE
         };
+        let counted_on = self.counted_on(object);
         let brakes_too = self.brakes_too(ego, object, &threat);
         let late = |wait_s: f64| match threat.speed_mps < -ONCOMING_MPS {
-            true => Self::is_harder(ego, &counted_on, &threat, wait_s),
+            true => is_harder(ego, &counted_on, &threat, wait_s),
             false => {
                 is_late(&counted_on, &threat, wait_s)
                     || (brakes_too.as_ref())
-                        .is_some_and(|lead| is_late(authority, lead, wait_s + numbers.notices_s))
+                        .is_some_and(|lead| is_late(authority, lead, wait_s + NOTICES_S))
             }
         };
-        let share = if kept.probability > numbers.certain { 1.0 } else { numbers.better_share };
+        let share = if kept.probability > CERTAIN { 1.0 } else { BETTER_SHARE };
+        let braked = || authority.beside(ego, &threat, Plan::Brake(0.0), 0.0);
         assessment.brakes =
-            late(*period_s) && contact(&threat, Plan::Brake(0.0), 0.0).loss < share * kept.loss;
+            late(*period_s) && self.contact(object, braked()).loss < share * kept.loss;
         assessment.warns = assessment.brakes || late(*period_s + *warning_s);
         Some(assessment)
-    }
-
-    /// True if an oncoming vehicle is met at a higher speed when braking begins later. However early the ego stands, it
-    /// may be reached. Until it could no longer stand by then, to wait shows whether the vehicle turns off.
-    fn is_harder(ego: &Ego, authority: &Authority, threat: &Threat, wait_s: f64) -> bool {
-        let closing_mps = |wait_s| {
-            let beside = authority.beside(ego, threat, Plan::Brake(wait_s), 0.0);
-            // The ego stands by then.
-            beside.map_or(-threat.speed_mps, |beside| beside.first_mps)
-        };
-        let gained_mps = authority.deceleration_mps2 * wait_s;
-        closing_mps(wait_s) - closing_mps(0.0) > LOST_SHARE * gained_mps
-    }
-
-    /// True if what is ahead is reached so soon that the ego would have to steer now to miss it.
-    fn is_last_point_to_steer(&self, ego: &Ego, threat: &Threat) -> bool {
-        let beside = self.settings.authority.beside(ego, threat, Plan::Keep, 0.0);
-        beside.is_some_and(|beside| beside.first_s <= self.numbers.steer_s)
-    }
-
-    /// True if it is probably in the ego's path already.
-    fn is_in_path(&self, object: &Object) -> bool {
-        let reach_m = self.settings.path.half_width_m + object.half_width_m;
-        let overlaps = object.lateral.hypotheses().map(|h| {
-            let sigma_m = libm::hypot(h.sigma_m, object.way_sigma_m);
-            h.probability * overlap(reach_m, h.position_m.abs(), sigma_m)
-        });
-        overlaps.sum::<f64>() > 0.5
     }
 
     /// A lead as it may begin to brake. `None` of what is not in the path yet: to come in and to brake at once is rare.
     /// `None` also where braking as of a driver is enough: then there is time for an answer.
     fn brakes_too(&self, ego: &Ego, object: &Object, lead: &Threat) -> Option<Threat> {
-        if object.stands() || !self.is_in_path(object) {
+        let is_in_path = || self.contact(object, Some(Beside::default())).probability > 0.5;
+        if object.stands() || !is_in_path() {
             return None;
         }
-        let Numbers { answer_mps2, lead_may_brake_mps2, remote, .. } = self.numbers;
-        let answer = Authority { deceleration_mps2: answer_mps2, ..self.settings.authority };
-        let touched = answer.beside(ego, lead, Plan::Brake(0.0), 0.0)?;
-        let acceleration_mps2 = lead.acceleration_mps2.min(-lead_may_brake_mps2);
-        (self.contact(object, &touched).probability > remote)
+        let answer = Authority { deceleration_mps2: ANSWER_MPS2, ..self.settings.authority };
+        let touched = answer.beside(ego, lead, Plan::Brake(0.0), 0.0);
+        let acceleration_mps2 = lead.acceleration_mps2.min(-LEAD_MAY_BRAKE_MPS2);
+        (self.contact(object, touched).probability > REMOTE)
             .then_some(Threat { acceleration_mps2, ..*lead })
     }
 
-    /// Probability of a contact with `object` in the time in which the ego is beside it.
-    fn contact(&self, object: &Object, beside: &Beside) -> Contact {
-        let Path { half_width_m, horizon_s, .. } = self.settings.path;
-        let reach_m = half_width_m + object.half_width_m;
-        let numbers = &self.numbers;
+    /// Contact with `object` in the time in which the ego is beside it.
+    fn contact(&self, object: &Object, beside: Option<Beside>) -> Contact {
         let mut contact = Contact::default();
+        let Some(beside) = beside else { return contact };
+        let Path { half_width_m, horizon_s } = self.settings.path;
+        let reach_m = half_width_m + HALF_WIDTH_M;
         for h in object.lateral.hypotheses() {
-            let side = h.position_m.signum();
-            let inward_mps = -h.rate_mps * side;
+            let inward_mps = -h.rate_mps * h.position_m.signum();
             let offset_m = h.position_m.abs();
             // An object that comes in stays; one that leaves is nearest at once.
-            let time_s =
-                if inward_mps > 0.0 { beside.last_s.min(horizon_s) } else { beside.first_s };
-            let moved_m = inward_mps * time_s;
-            let then_m = match inward_mps > 0.0 {
-                true => (offset_m - moved_m).max(0.0),
-                false if offset_m > numbers.leaving_offset_m => offset_m - moved_m,
-                false => offset_m,
+            let (time_s, in_s) = match inward_mps > 0.0 {
+                true => (beside.last_s.min(horizon_s), (offset_m - reach_m) / inward_mps),
+                false => (beside.first_s, 0.0),
             };
+            let moves = inward_mps > 0.0 || offset_m > LEAVING_OFFSET_M;
+            let moved_m = if moves { inward_mps * time_s } else { 0.0 };
             let sigma_m = libm::hypot(h.sigma_after_m(time_s.min(horizon_s)), object.way_sigma_m);
-            let touches = overlap(reach_m, then_m, sigma_m);
-            let in_s = if inward_mps > 0.0 { (offset_m - reach_m) / inward_mps } else { 0.0 };
-            let wanders = (1.0 - h.rate_mps.abs() / numbers.wandering_mps).max(0.0);
-            let goes_on = libm::exp(-numbers.ceases_per_s * wanders * in_s.max(0.0));
+            let touches = overlap(reach_m, (offset_m - moved_m).max(0.0), sigma_m);
+            let wanders = (1.0 - h.rate_mps.abs() / WANDERING_MPS).max(0.0);
+            let goes_on = libm::exp(-CEASES_PER_S * wanders * in_s.max(0.0));
             let probability = object.probability * h.probability * touches * goes_on;
-            let closing_mps = beside.closing_mps(in_s);
             contact.probability += probability;
-            contact.loss += probability * (1.0 + closing_mps.abs() / numbers.severe_mps);
+            contact.loss += probability * (1.0 + beside.closing_mps(in_s).abs() / SEVERE_MPS);
         }
         contact
     }
+}
+
+impl Assessment {
+    /// An object that neither warns nor brakes.
+    fn of(ego: &Ego, object: &Object, loss: f64) -> Self {
+        let relative_mps = object.speed_mps - ego.speed_mps;
+        let threat = (object.distance_m, relative_mps, object.lateral.position_m);
+        Self { loss, acceleration_mps2: object.acceleration_mps2, threat, ..Self::default() }
+    }
+}
+
+/// True if an oncoming vehicle is met at a higher speed when braking begins later. However early the ego stands, it may
+/// be reached. Until it could no longer stand by then, to wait shows whether the vehicle turns off.
+fn is_harder(ego: &Ego, authority: &Authority, threat: &Threat, wait_s: f64) -> bool {
+    let closing_mps = |wait_s| {
+        let beside = authority.beside(ego, threat, Plan::Brake(wait_s), 0.0);
+        // The ego stands by then.
+        beside.map_or(-threat.speed_mps, |beside| beside.first_mps)
+    };
+    let gained_mps = authority.deceleration_mps2 * wait_s;
+    closing_mps(wait_s) - closing_mps(0.0) > LOST_SHARE * gained_mps
 }
 
 #[cfg(test)]

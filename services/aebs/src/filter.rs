@@ -114,17 +114,11 @@ pub(crate) fn overlap(reach_m: f64, off_m: f64, sigma_m: f64) -> f64 {
 
 impl Lateral {
     /// A motion that is known: its rate is rounded to the next of the row.
-    #[must_use]
-    pub fn known(position_m: f64, rate_mps: f64) -> Self {
+    #[cfg(test)]
+    pub(crate) fn known(position_m: f64, rate_mps: f64) -> Self {
         // Between two rates of the row both are as probable as the rate is near.
         let near = |rate: f64| (1.0 - (rate - rate_mps).abs() / STEP_MPS).max(0.0);
-        let mut lateral = Self {
-            position_m,
-            rate_mps,
-            probability: RATES_MPS.map(near),
-            mean_m: [position_m; STATES],
-            variance_m2: [KNOWN_M2; STATES],
-        };
+        let mut lateral = Self { probability: RATES_MPS.map(near), ..Self::still(position_m) };
         lateral.normalise();
         lateral
     }
@@ -132,9 +126,19 @@ impl Lateral {
     /// A motion of which one measurement is known, with its standard deviation, m.
     #[must_use]
     pub fn first(position_m: f64, sigma_m: f64) -> Self {
-        let mut probability = [(1.0 - KEEPS) / (STATES - 1) as f64; STATES];
-        probability[0] = KEEPS;
-        let (mean_m, variance_m2) = ([position_m; STATES], [sigma_m * sigma_m; STATES]);
+        Self::begin(position_m, sigma_m * sigma_m, KEEPS)
+    }
+
+    /// A known place without a lateral speed.
+    #[must_use]
+    pub fn still(position_m: f64) -> Self {
+        Self::begin(position_m, KNOWN_M2, 1.0)
+    }
+
+    fn begin(position_m: f64, variance_m2: f64, keeps: f64) -> Self {
+        let mut probability = [((1.0 - keeps) / (STATES - 1) as f64).max(LEAST); STATES];
+        probability[0] = keeps;
+        let (mean_m, variance_m2) = ([position_m; STATES], [variance_m2; STATES]);
         Self { position_m, rate_mps: 0.0, probability, mean_m, variance_m2 }
     }
 
@@ -187,27 +191,23 @@ impl Lateral {
         let can_begin = |rate: f64| rate.abs() <= at_first_mps + 0.5 * STEP_MPS;
         let begun = RATES_MPS.map(|rate| f64::from(u8::from(can_begin(rate))));
         let beginning = begins / begun[1..].iter().sum::<f64>();
-        // Weights, and sums of the positions and of their squares by them; each state gives all three alike.
-        let (weights, means) = (&self.probability, &self.mean_m);
-        let moments: Row = from_fn(|k| weights[k] * means[k]);
-        let squares: Row = from_fn(|k| weights[k] * (self.variance_m2[k] + means[k] * means[k]));
-        let [weights, moments, squares] = [weights, &moments, &squares].map(|from| {
-            let stays = 1.0 - ends - 2.0 * varies;
-            let mut to = [0.0; STATES];
-            for k in 2..STATES - 1 {
-                to[k] = stays * from[k]
-                    + varies * (from[k - 1] + from[k + 1])
-                    + beginning * begun[k] * from[0];
-            }
-            // The outermost rates have one neighbour.
-            for (k, neighbour) in [(1, 2), (STATES - 1, STATES - 2)] {
-                to[k] = (stays + varies) * from[k]
-                    + varies * from[neighbour]
-                    + beginning * begun[k] * from[0];
-            }
-            to[0] = (1.0 - begins) * from[0] + ends * from[1..].iter().sum::<f64>();
+        let next = |from: &Row| -> Row {
+            let moving: f64 = from[1..].iter().sum();
+            let mut to: Row = from_fn(|k| {
+                // The outermost rates have one neighbour.
+                let (slower, faster) = (k.max(2) - 1, (k + 1).min(STATES - 1));
+                (1.0 - ends - 2.0 * varies) * from[k]
+                    + varies * (from[slower] + from[faster])
+                    + beginning * begun[k] * from[0]
+            });
+            to[0] = (1.0 - begins) * from[0] + ends * moving;
             to
-        });
+        };
+        // Each state gives weight, moment and square of its position alike.
+        let (p, m) = (&self.probability, &self.mean_m);
+        let weights = next(p);
+        let moments = next(&from_fn(|k| p[k] * m[k]));
+        let squares = next(&from_fn(|k| p[k] * (self.variance_m2[k] + m[k] * m[k])));
         let wander = WANDER_M2PS * period_s;
         for k in 0..STATES {
             let mean_m = moments[k] / weights[k];

@@ -12,7 +12,8 @@
 //!
 //! On a road with curves it reads `vehicle/lateral` too, and counts places along the circle that the ego drives
 //! ([`mod@circle`]). It uses no other estimate of the road: a fault of the controller's perception does not reach it.
-//! An object that stands on a row across this circle is braked for late (`row`).
+//! An object that stands on a row across this circle is braked for late (`row`). A straight road is the circle of
+//! curvature 0.
 //!
 //! It also looks at each object that is about to hit another one, as it will stand there
 //! ([`Objects::threats`](objects::Objects::threats)).
@@ -23,13 +24,12 @@ pub mod circle;
 mod collision_ahead;
 pub mod decision;
 pub mod filter;
-pub mod numbers;
 pub mod object;
 pub mod objects;
 mod point;
 pub mod prediction;
 pub mod report;
-pub mod row;
+mod row;
 mod service;
 pub mod sight;
 mod sighting;

@@ -1,12 +1,12 @@
 //! An object: what is known of one vehicle.
 
-use crate::circle::Circle;
+use crate::circle::OwnWay;
 use crate::filter::Lateral;
 
 /// Below this speed over ground an object stands, m/s.
 pub(crate) const STANDING_MPS: f64 = 1.0;
 /// Half of the width that is assumed of every vehicle, m.
-const HALF_WIDTH_M: f64 = 0.95;
+pub(crate) const HALF_WIDTH_M: f64 = 0.95;
 /// Length of an object of which only the face was seen, m.
 const LEAST_LENGTH_M: f64 = 4.3;
 /// Distance from the farthest point that reflects to the end of the body, m.
@@ -21,6 +21,8 @@ const PLACES_M: f64 = 4.0;
 pub(crate) const FIRST_SIGMA_M: f64 = 0.7;
 /// Distance of what reflects on a side from the middle, m.
 pub(crate) const SIDE_M: f64 = 0.9;
+/// Standing objects farther off the way are beside the road, m: beyond the neighbouring lanes.
+pub(crate) const ROAD_M: f64 = 5.0;
 
 /// An object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +35,6 @@ pub struct Object {
     pub acceleration_mps2: f64,
     /// Lateral position of its middle, m left of the ego's axis, and its rate.
     pub lateral: Lateral,
-    /// Half of its width, m.
-    pub half_width_m: f64,
     /// Its length as far as it was seen, m.
     pub length_m: f64,
     /// It counts.
@@ -43,8 +43,6 @@ pub struct Object {
     pub probability: f64,
     /// The side on which its face is behind a nearer object, 1 left, -1 right, or 0: neither.
     pub(crate) hidden_side: f64,
-    /// Scans in which it was seen.
-    pub(crate) scans: u32,
     /// Bits of the last scans in which it was seen, the newest in the lowest bit.
     pub(crate) history: u32,
     /// Time since it was last seen, s.
@@ -53,29 +51,42 @@ pub struct Object {
     pub(crate) bow_m: f64,
     /// Standard deviation of the road's distance from the way there, m.
     pub(crate) way_sigma_m: f64,
-    /// Place of a standing object near the path, along the way and left of it, m. It may be on a row along which
-    /// the road bends ([`mod@crate::row`]).
-    pub(crate) row_m: Option<(f64, f64)>,
 }
 
 impl Object {
     /// An object that counts, with a known motion.
-    #[must_use]
-    pub fn at(
-        distance_m: f64,
-        speed_mps: f64,
-        offset_m: f64,
-        lateral_mps: f64,
-        half_width_m: f64,
-    ) -> Self {
+    #[cfg(test)]
+    pub(crate) fn at(distance_m: f64, speed_mps: f64, offset_m: f64, lateral_mps: f64) -> Self {
         Self {
             lateral: Lateral::known(offset_m, lateral_mps),
-            half_width_m,
             is_confirmed: true,
-            scans: 1,
             history: u32::MAX,
             ..Self::begin(distance_m, offset_m, speed_mps)
         }
+    }
+
+    /// An object that begins with a point, at its place and with its speed.
+    pub(crate) fn begin(x_m: f64, y_m: f64, speed_mps: f64) -> Self {
+        Self {
+            distance_m: x_m,
+            speed_mps,
+            acceleration_mps2: 0.0,
+            lateral: Lateral::first(y_m, FIRST_SIGMA_M),
+            length_m: LEAST_LENGTH_M,
+            is_confirmed: false,
+            probability: 1.0,
+            hidden_side: 0.0,
+            history: 0,
+            unseen_s: 0.0,
+            bow_m: 0.0,
+            way_sigma_m: 0.0,
+        }
+    }
+
+    /// Takes the way that it is counted from.
+    pub(crate) fn see_along(&mut self, way: &OwnWay) {
+        self.bow_m = 0.5 * way.circle().curvature_perm * self.distance_m * self.distance_m;
+        self.way_sigma_m = way.sigma_m(self.distance_m);
     }
 
     /// Number of the last `scans` in which it was seen. If only a `share` of them shows what is there, as many more
@@ -91,16 +102,20 @@ impl Object {
         self.speed_mps.abs() < STANDING_MPS
     }
 
-    /// It moved on by `time_s` beside an ego of `ego_mps`.
-    #[must_use]
-    pub fn moved_on(&self, time_s: f64, ego_mps: f64) -> Self {
-        let mut later = *self;
-        later.move_on(time_s, ego_mps);
-        later.lateral.move_on(time_s);
-        later
+    /// True if it stands beyond the neighbouring lanes.
+    pub(crate) fn is_beside_the_road(&self) -> bool {
+        self.stands() && self.lateral.position_m.abs() > ROAD_M
     }
 
-    pub(crate) fn move_on(&mut self, time_s: f64, ego_mps: f64) {
+    /// It moved on by `time_s` beside an ego of `ego_mps`, along the way and across it.
+    #[must_use]
+    pub fn moved_on(mut self, time_s: f64, ego_mps: f64) -> Self {
+        self.move_along(time_s, ego_mps);
+        self.lateral.move_on(time_s);
+        self
+    }
+
+    pub(crate) fn move_along(&mut self, time_s: f64, ego_mps: f64) {
         let speed = (self.speed_mps + self.acceleration_mps2 * time_s).max(0.0);
         // An object that comes towards the ego keeps its speed.
         let speed = if self.speed_mps < 0.0 { self.speed_mps } else { speed };
@@ -108,10 +123,29 @@ impl Object {
         self.speed_mps = speed;
     }
 
+    /// Is carried on without a point: what has come to the ego's axis stays there.
+    pub(crate) fn coast(&mut self) {
+        self.acceleration_mps2 = 0.0;
+        if self.lateral.position_m * self.lateral.rate_mps > 0.0
+            && self.lateral.position_m.abs() < SIDE_M
+        {
+            self.lateral.rest();
+        }
+    }
+
     /// True if the nearer corner of its face is within half of the field of view, of this tangent.
     pub(crate) fn shows_its_face(&self, view_tangent: f64) -> bool {
-        let off_m = (self.sight_m().abs() - SIDE_M).max(0.0);
-        let surely_m = self.distance_m - BLIND_MARGIN_M;
+        self.is_in_view(self.distance_m, view_tangent)
+    }
+
+    /// True if all of it that reflects is outside of the field of view, beside the ego.
+    pub(crate) fn is_hidden_beside(&self, view_tangent: f64) -> bool {
+        !self.is_in_view(self.distance_m + self.length_m - OVERHANG_M, view_tangent)
+    }
+
+    /// True if what reflects on its inner side at `x_m` ahead is surely in the field of view.
+    fn is_in_view(&self, x_m: f64, view_tangent: f64) -> bool {
+        let (surely_m, off_m) = (x_m - BLIND_MARGIN_M, (self.sight_m().abs() - SIDE_M).max(0.0));
         surely_m > 0.0 && off_m < surely_m * view_tangent
     }
 
@@ -128,12 +162,12 @@ impl Object {
             return 0.0;
         }
         let goes_on = self.distance_m - end_m < PLACES_M
-            && (middle_m - nearer.lateral.position_m).abs() < 2.0 * nearer.half_width_m
+            && (middle_m - nearer.lateral.position_m).abs() < 2.0 * HALF_WIDTH_M
             && (self.speed_mps - nearer.speed_mps).abs() < STANDING_MPS;
         if goes_on || nearer.hides(self.distance_m, self.sight_m()) {
             return self.shown_side().map_or_else(|| self.side_towards(nearer), |(side, _)| side);
         }
-        if middle_m.abs() > self.half_width_m + HALF_WIDTH_M {
+        if middle_m.abs() > 2.0 * HALF_WIDTH_M {
             return 0.0;
         }
         let is_hidden = |side: f64| nearer.hides(self.distance_m, self.sight_m() + side * SIDE_M);
@@ -152,37 +186,13 @@ impl Object {
 
     /// True if the straight line to a place passes through it.
     fn hides(&self, x_m: f64, y_m: f64) -> bool {
-        let (begin_m, end_m) = (self.distance_m, self.distance_m + self.length_m);
-        let middle_m = self.sight_m();
-        // Most are wholly beside the whole line: no need to divide.
-        if x_m <= 0.0
-            || end_m <= 0.0
-            || y_m.max(0.0) <= middle_m - self.half_width_m
-            || y_m.min(0.0) >= middle_m + self.half_width_m
-        {
+        let (begin_m, end_m) = (self.distance_m.max(0.0), self.distance_m + self.length_m);
+        if x_m <= 0.0 || end_m <= 0.0 {
             return false;
         }
-        let slope = y_m / x_m;
-        let (begin_y_m, end_y_m) = (slope * begin_m.max(0.0), slope * end_m.min(x_m));
-        let (right_m, left_m) = (begin_y_m.min(end_y_m), begin_y_m.max(end_y_m));
-        left_m > middle_m - self.half_width_m && right_m < middle_m + self.half_width_m
-    }
-
-    /// True if all of it that reflects is outside of the field of view, beside the ego.
-    pub(crate) fn is_hidden_beside(&self, view_tangent: f64) -> bool {
-        let off_m = (self.sight_m().abs() - SIDE_M).max(0.0);
-        let last_m = self.distance_m + self.length_m - OVERHANG_M - BLIND_MARGIN_M;
-        last_m <= 0.0 || off_m > last_m * view_tangent
-    }
-
-    /// Is carried on without a point: what has come to the ego's axis stays there.
-    pub(crate) fn coast(&mut self) {
-        self.acceleration_mps2 = 0.0;
-        if self.lateral.position_m * self.lateral.rate_mps > 0.0
-            && self.lateral.position_m.abs() < SIDE_M
-        {
-            self.lateral.rest();
-        }
+        let off_m = |along_m: f64| y_m / x_m * along_m - self.sight_m();
+        let (begins_m, ends_m) = (off_m(begin_m), off_m(end_m.min(x_m)));
+        begins_m.max(ends_m) > -HALF_WIDTH_M && begins_m.min(ends_m) < HALF_WIDTH_M
     }
 
     /// Offset from the tangent of the way at the ego, m to the left. Lines of sight are straight beside it.
@@ -190,51 +200,20 @@ impl Object {
         self.lateral.position_m + self.bow_m
     }
 
-    /// Offset of its axis from the line of sight to it, m to the left. A vehicle on the left of the line shows its right
-    /// side. A lead in the middle of a left curve is on the right of it, and shows its left side.
-    fn aspect_m(&self) -> f64 {
-        self.lateral.position_m - self.bow_m
-    }
-
     /// Side of the line of sight on which it is (1 left, -1 right). The second value is the place of the side that it
     /// shows, m left of the way. `None` if it shows none.
     ///
-    /// A standing object need not point along the ego's circle: the road ahead may be straight. It shows a side for sure if it
-    /// shows the same one then.
+    /// A vehicle on the left of the line shows its right side. A lead in the middle of a left curve is on the right of
+    /// it. A standing object need not point along the ego's circle: the road ahead may be straight. It shows a side
+    /// for sure if it shows the same one then.
     pub(crate) fn shown_side(&self) -> Option<(f64, f64)> {
-        let side = self.aspect_m().signum();
+        let aspect_m = self.lateral.position_m - self.bow_m;
+        let side = aspect_m.signum();
         if self.stands() && side * self.sight_m() < 0.0 {
             return None;
         }
-        let shows = self.aspect_m().abs() - SIDE_M > SIDE_SHOWS_M;
+        let shows = aspect_m.abs() - SIDE_M > SIDE_SHOWS_M;
         shows.then_some((side, self.lateral.position_m - side * SIDE_M))
-    }
-
-    /// Takes the way that it is counted from.
-    pub(crate) fn see_along(&mut self, way: &Circle) {
-        self.bow_m = 0.5 * way.curvature_perm * self.distance_m * self.distance_m;
-        self.way_sigma_m = Circle::sigma_m(self.distance_m);
-    }
-
-    /// An object that begins with a point, at its place and with its speed.
-    pub(crate) fn begin(x_m: f64, y_m: f64, speed_mps: f64) -> Self {
-        Self {
-            distance_m: x_m,
-            speed_mps,
-            acceleration_mps2: 0.0,
-            lateral: Lateral::first(y_m, FIRST_SIGMA_M),
-            half_width_m: HALF_WIDTH_M,
-            length_m: LEAST_LENGTH_M,
-            is_confirmed: false,
-            probability: 1.0,
-            hidden_side: 0.0,
-            scans: 0,
-            history: 0,
-            unseen_s: 0.0,
-            bow_m: 0.0,
-            way_sigma_m: 0.0,
-            row_m: None,
-        }
     }
 }
 

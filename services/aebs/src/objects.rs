@@ -20,10 +20,10 @@
 //! path the side with its free corner. Its middle is up to half a width farther to the other side than what is seen.
 //! The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
 //!
-//! An object counts once it was seen in three of four scans. A standing one counts after four of five. It counts only
-//! up to the neighbouring lanes, so that posts beside the road are left out.
+//! An object counts once it was seen in three of four scans. A standing one counts after four of five. It is a threat
+//! only up to the neighbouring lanes. Beyond, it may belong to a row along which the road bends (`row`).
 //!
-//! While the radar shows little ([`Objects::expect`]) an object has as many scans longer to be seen.
+//! While the radar shows little an object has as many scans longer to be seen.
 //!
 //! On a road with curves x and y are counted along the ego's own circle and left of it ([`mod@crate::circle`]). When
 //! the circle changes, the position of every object is computed anew from it. The object stays where it is in the
@@ -34,12 +34,12 @@ use crate::collision_ahead::where_it_stands;
 use crate::decision::Path;
 use crate::object::Object;
 use crate::point::Point;
-use crate::row::Places;
-use crate::sighting::{Sums, correct};
-use messages::Detection;
+use crate::row;
+use crate::sighting::correct;
+use messages::{Detection, MAX_DETECTIONS};
 
 /// Most objects that are followed at a time.
-pub const MAX_OBJECTS: usize = 48;
+pub const MAX_OBJECTS: usize = 64;
 
 /// An object reaches so far behind its nearest face, m: longer ones come out as two.
 const REACH_M: f64 = 6.0;
@@ -48,8 +48,6 @@ const SLACK_M: f64 = 1.5;
 const SLACK_MPS: f64 = 3.0;
 /// Points of one object differ from it by no more than this: speed, m/s, and lateral position, m.
 const SAME: (f64, f64) = (2.5, 1.9);
-/// Distance beside the path beyond which an object is not a threat on any row, m: both half widths, and 0.6 m.
-const NEAR_PATH_M: f64 = 2.5;
 /// An object that counts is dropped after this time without a point, s.
 const COAST_S: f64 = 0.4;
 /// The same of an object beside the ego, outside of the field of view, s. It is also the most for one that is rarely
@@ -57,19 +55,23 @@ const COAST_S: f64 = 0.4;
 const BESIDE_S: f64 = 3.0;
 /// Scans in which one that does not count yet must be seen once.
 const LATELY: u32 = 2;
+/// Standing objects that were seen in this number of scans may be on a row: one false alarm may not.
+const SEEN: u32 = 2;
+/// They may be on a row up to this distance behind the bumper, m.
+const BEHIND_M: f64 = 15.0;
 
 /// All objects.
 #[derive(Clone, Debug)]
 pub struct Objects {
     list: Vec<Object>,
-    sums: Vec<Sums>,
+    /// The points of a scan, each with the number of its object, and those of one object.
+    points: Vec<(usize, Point)>,
+    own: Vec<Point>,
     last_scan_ns: Option<i64>,
-    half_field_of_view_rad: f64,
-    /// Share of the scans in which what is there is expected to be seen.
-    share: f64,
+    /// A little less than the tangent of half of the field of view: its edge is not sure.
+    view_tangent: f64,
     /// The circle of the last scan.
     circle: Circle,
-    places: Places,
 }
 
 impl Objects {
@@ -78,23 +80,17 @@ impl Objects {
     pub fn new(half_field_of_view_rad: f64) -> Self {
         Self {
             list: Vec::with_capacity(MAX_OBJECTS),
-            sums: Vec::with_capacity(MAX_OBJECTS),
+            points: Vec::with_capacity(MAX_DETECTIONS),
+            own: Vec::with_capacity(MAX_DETECTIONS),
             last_scan_ns: None,
-            half_field_of_view_rad,
-            share: 1.0,
+            view_tangent: half_field_of_view_rad,
             circle: Circle::default(),
-            places: Places::default(),
         }
-    }
-
-    /// Expects what is there to be seen in this share of the scans from now on, 0 to 1.
-    pub fn expect(&mut self, share: f64) {
-        self.share = share;
     }
 
     /// The objects that count, as of the last scan.
     pub fn confirmed(&self) -> impl Iterator<Item = &Object> {
-        self.list.iter().filter(|object| object.is_confirmed)
+        self.list.iter().filter(|object| object.is_confirmed && !object.is_beside_the_road())
     }
 
     /// Those, and each that is about to hit another one in the ego's `path` ([`mod@crate::collision_ahead`]) as it
@@ -106,68 +102,79 @@ impl Objects {
         self.confirmed().copied().chain(self.confirmed().flat_map(hits))
     }
 
-    /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps`. Where the road may
-    /// have curves, places are counted along the circle of the ego's own `way` and left of it. A scan that is not later
-    /// than the last one is passed over. Allocates nothing.
+    /// True if a standing object at a place of the last scan is on a row that comes from beside the lane. The search
+    /// is long: it is for what the ego would brake for.
+    #[must_use]
+    pub fn lead_to(&self, distance_m: f64, off_m: f64) -> bool {
+        let is_seen = |object: &&Object| {
+            let is_known = object.is_confirmed || object.history.count_ones() >= SEEN;
+            is_known && object.stands() && object.distance_m > -BEHIND_M
+        };
+        let standing = self.list.iter().filter(is_seen);
+        let places = standing.map(|object| (object.distance_m, object.lateral.position_m));
+        row::leads_to(places, (distance_m, off_m))
+    }
+
+    /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps`. Places are counted
+    /// along the circle of the ego's own `way` and left of it. What is there is expected to be seen in a `share` of the
+    /// scans, 0 to 1. A scan that is not later than the last one is passed over. Allocates nothing.
     pub fn take_scan(
         &mut self,
-        way: Option<&OwnWay>,
+        way: &OwnWay,
+        share: f64,
         scan_ns: i64,
         ego_mps: f64,
         detections: &[Detection],
     ) {
         let Some(period_s) = self.advance(scan_ns, ego_mps) else { return };
-        if let Some(way) = way {
-            self.turn(way, period_s, ego_mps);
-        }
-        let half_field_of_view_rad = self.half_field_of_view_rad;
-        self.sums.clear();
-        self.sums.resize(self.list.len(), Sums::NONE);
-        let circle = self.circle;
-        for point in detections.iter().filter_map(|one| Point::of(one, ego_mps, &circle)) {
-            if !point.is_beside_the_road() {
-                self.assign(&point, way.is_some());
-            }
-            if way.is_some() && point.stands() {
-                self.places.take(point.x_m, point.y_m);
+        self.turn(way, period_s, ego_mps);
+        self.points.clear();
+        for detection in detections {
+            if let Some(point) = Point::of(detection, ego_mps, &self.circle)
+                && !point.is_beside_the_road(way.is_curved())
+                && let Some(index) = self.object_of(&point, way)
+            {
+                self.points.push((index, point));
             }
         }
-        for (object, sums) in self.list.iter_mut().zip(&self.sums) {
-            let shows_its_face = object.shows_its_face(half_field_of_view_rad);
-            correct(object, sums, period_s, shows_its_face, self.share);
+        let view_tangent = self.view_tangent;
+        for (index, object) in self.list.iter_mut().enumerate() {
+            let own = self.points.iter().filter(|(of, _)| *of == index);
+            self.own.clear();
+            self.own.extend(own.map(|(_, point)| point));
+            let shows_its_face = object.shows_its_face(view_tangent);
+            correct(object, &self.own, period_s, shows_its_face, share);
         }
-        if way.is_some() {
-            self.see_rows();
-        }
-        let share = self.share;
         self.list.retain(|object| {
-            let seen_lately = object.times_seen(LATELY, share) > 0;
-            let beside = object.is_hidden_beside(half_field_of_view_rad);
+            let beside = object.is_hidden_beside(view_tangent);
             let longest_s = if beside { BESIDE_S } else { (COAST_S / share).min(BESIDE_S) };
-            if object.is_confirmed { object.unseen_s <= longest_s } else { seen_lately }
+            match object.is_confirmed {
+                true => object.unseen_s <= longest_s,
+                false => object.times_seen(LATELY, share) > 0,
+            }
         });
     }
 
     /// Predicts all objects to the scan's time; returns the time since the last scan, s.
     fn advance(&mut self, scan_ns: i64, ego_mps: f64) -> Option<f64> {
-        let elapsed_ns = self.last_scan_ns.map_or(i64::MAX, |last_ns| scan_ns - last_ns);
+        let elapsed_ns = self.last_scan_ns.map_or(50_000_000, |last_ns| scan_ns - last_ns);
         if elapsed_ns <= 0 {
             return None;
         }
-        let had_one = self.last_scan_ns.replace(scan_ns).is_some();
-        let period_s = if had_one { elapsed_ns as f64 / 1e9 } else { 0.05 };
+        self.last_scan_ns = Some(scan_ns);
+        let period_s = elapsed_ns as f64 / 1e9;
         if period_s > 1.0 {
             // Nothing is left of what was known.
             self.list.clear();
-            self.places.clear();
         }
         for index in 0..self.list.len() {
             let object = &self.list[index];
-            let sides = self.list.iter().map(|nearer| object.side_hidden_by(nearer));
+            let nearer = self.list.iter().filter(|nearer| !nearer.is_beside_the_road());
+            let sides = nearer.map(|nearer| object.side_hidden_by(nearer));
             self.list[index].hidden_side = sides.sum::<f64>().clamp(-1.0, 1.0);
         }
         for object in &mut self.list {
-            object.move_on(period_s, ego_mps);
+            object.move_along(period_s, ego_mps);
             object.lateral.predict(period_s, object.speed_mps.abs());
             object.unseen_s += period_s;
             object.history <<= 1;
@@ -180,67 +187,36 @@ impl Objects {
     fn turn(&mut self, way: &OwnWay, period_s: f64, ego_mps: f64) {
         let circle = way.circle();
         let before = std::mem::replace(&mut self.circle, circle);
-        let way_m = ego_mps * period_s;
-        let step = (way_m, way.yaw_rate_radps() * period_s);
-        let seen = |place| before.seen_from(&circle, step, place);
+        let step = (ego_mps * period_s, way.yaw_rate_radps() * period_s);
         for object in &mut self.list {
             let off_m = object.lateral.position_m;
-            let (along_m, now_m) = seen((object.distance_m, off_m));
+            let (along_m, now_m) = before.seen_from(&circle, step, (object.distance_m, off_m));
             object.distance_m = along_m;
             object.lateral.shift(now_m - off_m);
-            object.see_along(&circle);
-        }
-        self.places.move_on(seen, period_s, way_m);
-    }
-
-    /// Standing places, on whose rows an object may be.
-    #[must_use]
-    pub fn places(&self) -> &Places {
-        &self.places
-    }
-
-    /// Marks objects that may be on a row of standing places.
-    fn see_rows(&mut self) {
-        for object in &mut self.list {
-            let off_m = object.lateral.position_m;
-            let may_be = object.stands() && off_m.abs() < NEAR_PATH_M;
-            object.row_m = may_be.then_some((object.distance_m, off_m));
+            object.see_along(way);
         }
     }
 
-    fn assign(&mut self, point: &Point, is_curved: bool) {
-        let mut best: Option<(f64, usize)> = None;
-        for (index, object) in self.list.iter().enumerate() {
+    /// Number of the object of a point; a new one if none fits. `None` if there is no room.
+    fn object_of(&mut self, point: &Point, way: &OwnWay) -> Option<usize> {
+        let cost = |object: &Object| {
             let dx = point.x_m - object.distance_m;
-            if dx > REACH_M || dx < -(SLACK_M + object.unseen_s * SLACK_MPS) {
-                continue;
-            }
             let dv = (point.speed_mps - object.speed_mps).abs();
             let dy = (point.y_m - object.lateral.position_m).abs();
-            if dv > SAME.0 || dy > SAME.1 {
-                continue;
-            }
-            let cost = dv / SAME.0 + dy / SAME.1 + dx.abs() / REACH_M;
-            if best.is_none_or(|(least, _)| cost < least) {
-                best = Some((cost, index));
-            }
+            let slack_m = SLACK_M + object.unseen_s * SLACK_MPS;
+            let fits = (-slack_m..=REACH_M).contains(&dx) && dv <= SAME.0 && dy <= SAME.1;
+            fits.then_some(dv / SAME.0 + dy / SAME.1 + dx.abs() / REACH_M)
+        };
+        let costs = self.list.iter().enumerate();
+        let fitting = costs.filter_map(|(index, object)| cost(object).map(|cost| (index, cost)));
+        let best = fitting.min_by(|one, other| one.1.total_cmp(&other.1));
+        if best.is_none() && self.list.len() < MAX_OBJECTS {
+            let mut object = Object::begin(point.x_m, point.y_m, point.speed_mps);
+            object.see_along(way);
+            self.list.push(object);
+            return Some(self.list.len() - 1);
         }
-        match best {
-            Some((_, index)) => self.sums[index].add(point, &self.list[index]),
-            None if self.list.len() < MAX_OBJECTS => self.begin(point, is_curved),
-            None => {}
-        }
-    }
-
-    fn begin(&mut self, point: &Point, is_curved: bool) {
-        let mut object = Object::begin(point.x_m, point.y_m, point.speed_mps);
-        if is_curved {
-            object.see_along(&self.circle);
-        }
-        let mut sums = Sums::NONE;
-        sums.add(point, &object);
-        self.list.push(object);
-        self.sums.push(sums);
+        best.map(|(index, _)| index)
     }
 }
 

@@ -3,12 +3,11 @@
 use messages::Detection;
 
 use crate::circle::Circle;
-use crate::object::STANDING_MPS;
+use crate::object::{ROAD_M, STANDING_MPS};
 
-/// Standing points farther off the path than this are left out, m: what stands beyond the neighbouring lanes. Selecting
-/// a vehicle's near points by their measured place would keep those whose noise is towards the path. The vehicle would
-/// then seem nearer to the path than it is.
-const STANDING_OFFSET_M: f64 = 5.0;
+/// Standing points farther off the way are left out on a road with curves, m: no row is there. On a straight road that
+/// is what stands beyond the neighbouring lanes.
+const WIDEST_M: f64 = 12.0;
 /// Standard deviation of an azimuth: of a strong echo, rad, and of one as strong as the noise.
 const AZIMUTH_SIGMA_RAD: f64 = 0.0018;
 const WEAK_SIGMA_RAD: f64 = 0.0205;
@@ -75,14 +74,10 @@ impl Point {
         })
     }
 
-    /// True if it stands.
-    pub(crate) fn stands(&self) -> bool {
-        self.speed_mps.abs() < 2.0 * STANDING_MPS
-    }
-
-    /// True if it stands beside the road.
-    pub(crate) fn is_beside_the_road(&self) -> bool {
-        self.y_m.abs() > STANDING_OFFSET_M && self.stands()
+    /// True if it stands too far beside the way to be of use.
+    pub(crate) fn is_beside_the_road(&self, is_curved: bool) -> bool {
+        let widest_m = if is_curved { WIDEST_M } else { ROAD_M };
+        self.y_m.abs() > widest_m && self.speed_mps.abs() < 2.0 * STANDING_MPS
     }
 }
 

@@ -1,7 +1,8 @@
 //! The emergency brake's loop: released by the radar's detections, or by its timer when they are late.
 
-use crate::circle::{Body, OwnWay};
+use crate::circle::OwnWay;
 use crate::decision::{Decision, Demand, Path, Settings};
+use crate::object::Object;
 use crate::objects::Objects;
 use crate::prediction::{Authority, Ego};
 use crate::report::AebsReport;
@@ -95,47 +96,28 @@ pub fn sight(scenario: &Scenario) -> Sight {
     Sight::new(half_rad, radar.detections.standing_objects_per_km.value() >= POSTS_PER_KM)
 }
 
-/// The ego's own way on a scenario's road, before its first yaw rate; `None` where the road goes straight on.
+/// The ego's own way on a scenario's road, before its first yaw rate.
 #[must_use]
-pub fn own_way(scenario: &Scenario) -> Option<OwnWay> {
-    let is_curved =
-        scenario.road.plan().is_some() && !scenario.perception.course.sources.is_empty();
-    let keys = &scenario.plant.lateral;
-    let body = match keys.model {
-        LateralModel::SingleTrack => Body {
-            // The axles stand in the middle of the body.
-            bumper_m: 0.5 * (keys.wheelbase_m.value() + scenario.plant.length_m.value()),
-            slip_rad_per_mps2: keys.slip_rad_per_mps2.value(),
-        },
-        LateralModel::OnAxis => Body::default(),
-    };
-    is_curved.then(|| OwnWay::new(body))
-}
-
-/// The own way with the topic that it is made of.
-struct Steering {
-    lateral: Subscriber<LateralMotion>,
-    way: OwnWay,
-}
-
-impl Steering {
-    fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Option<Self>, RuntimeError> {
-        let Some(way) = own_way(scenario) else { return Ok(None) };
-        Ok(Some(Self { lateral: runtime.subscriber()?, way }))
+pub fn own_way(scenario: &Scenario) -> OwnWay {
+    if scenario.road.plan().is_none() || scenario.perception.course.sources.is_empty() {
+        return OwnWay::default();
     }
-
-    /// Takes the newest yaw rate of an ego of `speed_mps`.
-    fn take(&mut self, speed_mps: f64) {
-        if let Some(sample) = self.lateral.newest() {
-            self.way.take(sample.header.acquisition_ns, sample.yaw_rate_radps, speed_mps);
-        }
+    let keys = &scenario.plant.lateral;
+    match keys.model {
+        // The axles stand in the middle of the body.
+        LateralModel::SingleTrack => OwnWay::new(
+            0.5 * (keys.wheelbase_m.value() + scenario.plant.length_m.value()),
+            keys.slip_rad_per_mps2.value(),
+        ),
+        LateralModel::OnAxis => OwnWay::new(0.0, 0.0),
     }
 }
 
 struct Aebs {
     odometry: Subscriber<Odometry>,
-    /// On a road with a plan.
-    steering: Option<Steering>,
+    /// Present on a road with curves.
+    lateral: Option<Subscriber<LateralMotion>>,
+    way: OwnWay,
     detections: Subscriber<RadarDetections>,
     brake: Publisher<Brake>,
     objects: Objects,
@@ -151,11 +133,13 @@ struct Aebs {
 
 impl Aebs {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
+        let way = own_way(scenario);
         let period_ns = i64::from(scenario.perception.period_ms.value()) * 1_000_000;
         let latency_ns = i64::from(scenario.perception.radar.latency_ms.value()) * 1_000_000;
         Ok(Self {
             odometry: runtime.subscriber()?,
-            steering: Steering::open(runtime, scenario)?,
+            lateral: way.is_curved().then(|| runtime.subscriber()).transpose()?,
+            way,
             detections: runtime.releasing_subscriber()?,
             brake: runtime.publisher()?,
             objects: objects(scenario),
@@ -177,8 +161,8 @@ impl Aebs {
         // The detections come last of all that a step makes wait for.
         runtime.update(&mut self.detections)?;
         runtime.update(&mut self.odometry)?;
-        if let Some(steering) = &mut self.steering {
-            runtime.update(&mut steering.lateral)?;
+        if let Some(lateral) = &mut self.lateral {
+            runtime.update(lateral)?;
         }
         let begun = monotonic_ns();
         let demand = self.demand(&release);
@@ -213,18 +197,21 @@ impl Aebs {
         let ego = ego
             .filter(|ego| differs(ego) <= DISAGREES_MPS + MAX_MPS2 * age_s)
             .unwrap_or(Ego { speed_mps: scan.ego_speed_mps, acceleration_mps2: 0.0 });
-        let speed_mps = ego.speed_mps;
         self.sight.take_scan(scanned_ns, scan.detections());
-        self.objects.expect(self.sight.expected_share());
-        if let Some(steering) = &mut self.steering {
-            steering.take(scan.ego_speed_mps);
+        let share = self.sight.expected_share();
+        let scanned_mps = scan.ego_speed_mps;
+        if let Some(sample) = self.lateral.as_ref().and_then(Subscriber::newest) {
+            self.way.take(sample.header.acquisition_ns, sample.yaw_rate_radps, scanned_mps);
         }
-        let way = self.steering.as_ref().map(|steering| &steering.way);
-        self.objects.take_scan(way, scanned_ns, scan.ego_speed_mps, scan.detections());
-        let mean_mps = 0.5 * (scan.ego_speed_mps + speed_mps);
+        self.objects.take_scan(&self.way, share, scanned_ns, scanned_mps, scan.detections());
+        let mean_mps = 0.5 * (scanned_mps + ego.speed_mps);
         let threats = self.objects.threats(self.decision.path());
         let now = threats.map(|object| object.moved_on(age_s, mean_mps));
-        Some(self.decision.step(&ego, now, self.objects.places()))
+        let is_on_row = |object: &Object| {
+            let was_m = object.distance_m + mean_mps * age_s;
+            self.way.is_curved() && self.objects.lead_to(was_m, object.lateral.position_m)
+        };
+        Some(self.decision.step(&ego, now, is_on_row))
     }
 
     fn write(

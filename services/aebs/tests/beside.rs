@@ -4,7 +4,7 @@ use aebs::filter::Lateral;
 
 /// Probability of a lateral speed above 0.3 m/s, one scan after a vehicle surely kept its lane.
 fn turns(speed_mps: f64) -> f64 {
-    let mut lateral = Lateral::known(3.5, 0.0);
+    let mut lateral = Lateral::still(3.5);
     lateral.predict(0.05, speed_mps);
     let fast = lateral.hypotheses().filter(|h| h.rate_mps.abs() > 0.3);
     fast.map(|h| h.probability).sum()

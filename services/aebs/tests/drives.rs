@@ -18,9 +18,6 @@ mod drives {
     pub mod simulation;
 }
 
-use aebs::numbers::Numbers;
-use parameters::{Row, Table};
-
 use drives::kinds::{KINDS, Kind, draw};
 use drives::simulation::{Result, drive};
 
@@ -30,7 +27,7 @@ fn count() -> u64 {
 }
 
 fn all(kind: Kind) -> Vec<(u64, Result)> {
-    (0..count()).map(|seed| (seed, drive(&draw(kind, seed), Numbers::DEFAULT))).collect()
+    (0..count()).map(|seed| (seed, drive(&draw(kind, seed)))).collect()
 }
 
 #[test]
@@ -56,37 +53,8 @@ fn no_collision_that_a_careful_driver_avoids_and_no_needless_intervention() {
 #[test]
 fn traction_and_brakes_change_with_the_stated_jerk_alone() {
     for seed in 0..count() {
-        let result = drive(&draw(Kind::Slower, seed), Numbers::DEFAULT);
+        let result = drive(&draw(Kind::Slower, seed));
         // 12.65 m/s³ over a period of 10 ms.
         assert!(result.largest_step_mps2 < 0.13, "seed {seed}: {result:?}");
     }
-}
-
-/// Prints what a fifth less and a fifth more of each number does, for the origins in the table. `NUMBERS=a,b` in the
-/// environment names some of them.
-#[test]
-#[ignore = "it takes minutes: DRIVES=40 cargo test -p aebs --test drives -- --ignored --nocapture"]
-fn what_each_number_does() {
-    let judge = |numbers: Numbers| {
-        let drives = KINDS[2..].iter().flat_map(|kind| (0..count()).map(|seed| draw(*kind, seed)));
-        drives.fold([0; 3], |[avoidable, needless, braked], scene| {
-            let result = drive(&scene, numbers);
-            [
-                avoidable + u32::from(result.is_avoidable()),
-                needless + u32::from(result.is_needless),
-                braked + u32::from(result.braked),
-            ]
-        })
-    };
-    let now = judge(Numbers::DEFAULT);
-    println!("avoidable, needless, braked: {now:?}");
-    let asked = std::env::var("NUMBERS").ok();
-    let is_asked =
-        |name: &str| asked.as_ref().is_none_or(|asked| asked.split(',').any(|asked| asked == name));
-    let rows = Numbers::ROWS.iter().enumerate().filter(|(_, row)| is_asked(row.name));
-    for (row, Row { name, .. }) in rows {
-        let [less, more] = [0.8, 1.2].map(|factor| judge(Numbers::DEFAULT.scaled(row, factor)));
-        println!("{name}: less {less:?}, more {more:?}");
-    }
-    assert!(now[2] > 0);
 }

@@ -15,9 +15,9 @@ fn settings() -> Settings {
     }
 }
 
-/// A step among no standing places.
+/// A step among objects that are on no row.
 fn step(decision: &mut Decision, ego: &Ego, objects: impl IntoIterator<Item = Object>) -> Demand {
-    decision.step(ego, objects, &Places::default())
+    decision.step(ego, objects, |_| false)
 }
 
 /// Drives at `speed` towards something of `other` m/s at `gap`. Returns each state with its time,
@@ -29,7 +29,7 @@ fn drive(speed: f64, other: f64, gap: f64) -> (Vec<(f64, BrakeState)>, f64) {
     for k in 0..2000 {
         let t = f64::from(k) * 0.01;
         if k % 5 == 0 {
-            let object = Object::at(d, other, 0.0, 0.0, 0.95);
+            let object = Object::at(d, other, 0.0, 0.0);
             let ego = Ego { speed_mps: v, acceleration_mps2: a };
             let demand = step(&mut decision, &ego, [object]);
             if states.last().is_none_or(|last: &(f64, BrakeState)| last.1 != demand.state) {
@@ -69,7 +69,7 @@ fn an_ego_that_brakes_enough_by_itself_is_left_alone() {
     let mut decision = Decision::new(settings());
     // 20 m/s needs 5 m/s² in 40 m.
     let ego = Ego { speed_mps: 20.0, acceleration_mps2: -5.2 };
-    let object = Object::at(40.0, 0.0, 0.0, 0.0, 0.95);
+    let object = Object::at(40.0, 0.0, 0.0, 0.0);
     let demand = step(&mut decision, &ego, [object]);
     assert_eq!(demand.state, BrakeState::Monitoring);
 }
@@ -79,7 +79,7 @@ fn a_stop_behind_a_standing_car_at_walking_pace_is_left_alone() {
     let mut decision = Decision::new(settings());
     for gap in [3.0, 2.0, 1.5] {
         let ego = Ego { speed_mps: 0.8, acceleration_mps2: -0.5 };
-        let object = Object::at(gap, 0.0, 0.0, 0.0, 0.95);
+        let object = Object::at(gap, 0.0, 0.0, 0.0);
         let demand = step(&mut decision, &ego, [object]);
         assert_eq!(demand.state, BrakeState::Monitoring, "{gap} m");
     }
@@ -90,7 +90,7 @@ fn a_stop_just_behind_what_seems_to_creep_backwards_is_left_alone() {
     let state = |other_mps: f64| {
         let mut decision = Decision::new(settings());
         let ego = Ego { speed_mps: 1.19, acceleration_mps2: -3.24 };
-        step(&mut decision, &ego, [Object::at(0.47, other_mps, 0.0, 0.0, 0.95)]).state
+        step(&mut decision, &ego, [Object::at(0.47, other_mps, 0.0, 0.0)]).state
     };
     assert_eq!(state(-0.03), BrakeState::Monitoring, "noise of a range rate");
     assert_ne!(state(-0.5), BrakeState::Monitoring, "it comes");
@@ -101,7 +101,7 @@ fn an_oncoming_vehicle_is_braked_for_when_waiting_would_cost_speed() {
     let state = |gap_m: f64| {
         let mut decision = Decision::new(settings());
         let ego = Ego { speed_mps: 13.0, acceleration_mps2: 0.0 };
-        step(&mut decision, &ego, [Object::at(gap_m, -7.0, 0.0, 0.0, 0.95)]).state
+        step(&mut decision, &ego, [Object::at(gap_m, -7.0, 0.0, 0.0)]).state
     };
     // 13 m/s take some 2 s. In this time 20 m/s of closing speed cover less than 35 m.
     assert_eq!(state(80.0), BrakeState::Monitoring, "it may turn off");
@@ -113,7 +113,7 @@ fn an_object_passed_before_it_comes_in_is_left_alone() {
     let brakes = |gap_m: f64, lateral_mps: f64| {
         let mut decision = Decision::new(settings());
         let ego = Ego { speed_mps: 20.0, acceleration_mps2: 0.0 };
-        let object = Object::at(gap_m, 5.0, 3.4, -lateral_mps, 0.95);
+        let object = Object::at(gap_m, 5.0, 3.4, -lateral_mps);
         step(&mut decision, &ego, [object]).state == BrakeState::Braking
     };
     // The way of 5 + 8.8 m takes 0.92 s at 15 m/s. The 1.5 m to the ego's side take 1.5 s or 0.8 s.
@@ -129,7 +129,7 @@ fn a_pass_that_braking_would_turn_into_a_contact_is_not_braked_for() {
     let brakes = |distance_m: f64, lateral_mps: f64| {
         let mut decision = Decision::new(settings());
         let ego = Ego { speed_mps: 25.0, acceleration_mps2: 0.0 };
-        let object = Object::at(distance_m, 5.0, 3.5, -lateral_mps, 0.95);
+        let object = Object::at(distance_m, 5.0, 3.5, -lateral_mps);
         step(&mut decision, &ego, [object]).state == BrakeState::Braking
     };
     // It is in the way after 1.6 s; the pass takes 1.44 s or, from farther off, longer.
@@ -141,10 +141,10 @@ fn a_pass_that_braking_would_turn_into_a_contact_is_not_braked_for() {
 fn an_uncertain_object_is_braked_for_when_a_contact_is_likely() {
     let contact = |sigma_m: f64| {
         let decision = Decision::new(settings());
-        let mut object = Object::at(20.0, 5.0, 3.5, -0.4, 0.95);
+        let mut object = Object::at(20.0, 5.0, 3.5, -0.4);
         object.lateral = crate::filter::Lateral::first(3.0, sigma_m);
         let beside = Beside { first_s: 1.0, last_s: 2.0, first_mps: 10.0, last_mps: 10.0 };
-        decision.contact(&object, &beside).probability
+        decision.contact(&object, Some(beside)).probability
     };
     assert!(contact(0.05) < 0.2 && contact(0.05) > 0.0);
     assert!(contact(1.0) > contact(0.05), "where it is may be in the way");
@@ -154,7 +154,7 @@ const STANDING: Ego = Ego { speed_mps: 0.0, acceleration_mps2: 0.0 };
 const MOVING: Ego = Ego { speed_mps: 20.0, acceleration_mps2: 0.0 };
 
 fn in_way(gap_m: f64, speed_mps: f64) -> Object {
-    Object::at(gap_m, speed_mps, 0.0, 0.0, 0.95)
+    Object::at(gap_m, speed_mps, 0.0, 0.0)
 }
 
 /// A decision that brakes already.
@@ -170,7 +170,7 @@ fn it_holds_for_its_time_after_a_stop_and_lets_go_then() {
     let mut decision = braking();
     let demand = step(&mut decision, &STANDING, [in_way(2.0, 0.0)]);
     assert_eq!((demand.state, demand.deceleration_mps2), (BrakeState::Holding, 8.3385));
-    let scans = (Numbers::DEFAULT.hold_s / PERIOD_S).round() as u32;
+    let scans = (HOLD_S / PERIOD_S).round() as u32;
     for scan in 1..scans {
         let demand = step(&mut decision, &STANDING, [in_way(2.0, 0.0)]);
         assert_eq!(demand.state, BrakeState::Holding, "scan {scan}");
@@ -190,7 +190,7 @@ fn it_holds_without_an_object_too() {
 #[test]
 fn an_unseen_threat_is_braked_for_during_its_time_alone() {
     let mut decision = braking();
-    let scans = (Numbers::DEFAULT.unseen_s / PERIOD_S).round() as u32;
+    let scans = (UNSEEN_S / PERIOD_S).round() as u32;
     for scan in 1..scans {
         assert_eq!(step(&mut decision, &MOVING, []).state, BrakeState::Braking, "scan {scan}");
     }
@@ -254,7 +254,7 @@ fn a_vehicle_that_comes_in_is_not_expected_to_brake_as_well_and_a_lead_is() {
         let mut decision = Decision::new(settings());
         let ego = Ego { speed_mps: 25.0, acceleration_mps2: 0.0 };
         (0..1600).map(|k| 80.0 - 0.05 * f64::from(k)).find(|gap_m| {
-            let object = Object::at(*gap_m, 7.0, offset_m, -inward_mps, 0.95);
+            let object = Object::at(*gap_m, 7.0, offset_m, -inward_mps);
             step(&mut decision, &ego, [object]).state == BrakeState::Braking
         })
     };
@@ -269,7 +269,7 @@ fn after_holding_it_warns_or_monitors_and_holds_on_while_it_would_brake() {
     let after = |object: Object| {
         let mut decision = braking();
         step(&mut decision, &STANDING, []);
-        let scans = (Numbers::DEFAULT.hold_s / PERIOD_S).round() as u32;
+        let scans = (HOLD_S / PERIOD_S).round() as u32;
         for _ in 0..=scans {
             step(&mut decision, &MOVING, [object]);
         }
@@ -326,7 +326,7 @@ proptest::proptest! {
     ) {
         let mut decision = braking();
         for _ in 0..=scans {
-            let object = Object::at(gap_m, other_mps, offset_m, 0.0, 0.95);
+            let object = Object::at(gap_m, other_mps, offset_m, 0.0);
             let demand = step(&mut decision, &STANDING, [object]);
             proptest::prop_assert_eq!(demand.state, BrakeState::Holding);
             proptest::prop_assert_eq!(demand.deceleration_mps2, 8.3385);
@@ -343,20 +343,10 @@ proptest::proptest! {
 
 #[test]
 fn an_object_on_a_row_is_braked_for_from_the_last_point_to_steer_on() {
-    // A queue in the next lane of a curve ahead, three times seen.
-    let mut places = Places::default();
-    for _ in 0..3 {
-        for along_m in (0..12).map(|k| 5.0 + 8.0 * f64::from(k)) {
-            places.take(along_m, along_m * along_m / 500.0 - 3.5);
-        }
-        places.move_on(|place| place, PERIOD_S, 0.0);
-    }
     let first_braking_m = |is_on_row: bool| {
         let mut decision = Decision::new(settings());
         (0..1200).map(|k| 60.0 - 0.05 * f64::from(k)).find(|gap_m| {
-            let row_m = is_on_row.then_some((45.0, 0.55));
-            let object = Object { row_m, ..in_way(*gap_m, 0.0) };
-            let demand = decision.step(&MOVING, [object], &places);
+            let demand = decision.step(&MOVING, [in_way(*gap_m, 0.0)], |_| is_on_row);
             assert!(!is_on_row || *gap_m < 20.5 || demand.state == BrakeState::Monitoring);
             demand.state == BrakeState::Braking
         })
@@ -371,11 +361,22 @@ fn an_object_on_a_row_is_braked_for_from_the_last_point_to_steer_on() {
 fn a_road_that_may_bend_makes_a_contact_less_sure() {
     let decision = Decision::new(settings());
     let probability = |offset_m: f64, way_sigma_m: f64| {
-        let object = Object { way_sigma_m, ..Object::at(60.0, 0.0, offset_m, 0.0, 0.95) };
+        let object = Object { way_sigma_m, ..Object::at(60.0, 0.0, offset_m, 0.0) };
         let threat = Threat { gap_m: 60.0, speed_mps: 0.0, acceleration_mps2: 0.0, passed_m: 9.0 };
         let beside = settings().authority.beside(&MOVING, &threat, Plan::Keep, 0.0);
-        decision.contact(&object, &beside.expect("it is ahead")).probability
+        decision.contact(&object, beside).probability
     };
     assert!(probability(0.0, 0.0) > probability(0.0, 1.2));
     assert!(probability(3.5, 0.0) < probability(3.5, 1.2));
+}
+
+#[test]
+fn the_costs_of_both_mistakes_are_equal_at_the_limit() {
+    for closing_mps in [0.0, 4.3, 12.0, 30.0] {
+        let p = likely(closing_mps);
+        let contact = p * (CONTACT_COST_MPS + closing_mps);
+        let braking = (1.0 - p) * (CONTACT_COST_MPS + FALSE_COST_MPS);
+        assert!((contact - braking).abs() < 1e-9, "{closing_mps}");
+    }
+    assert_eq!(likely(-5.0), likely(0.0));
 }

@@ -4,7 +4,7 @@ use super::*;
 
 /// A car, 4.3 m long, that stands at a place.
 fn stands(distance_m: f64, off_m: f64) -> Object {
-    Object::at(distance_m, 0.0, off_m, 0.0, 0.95)
+    Object::at(distance_m, 0.0, off_m, 0.0)
 }
 
 #[test]
@@ -27,13 +27,13 @@ fn it_is_seen_in_the_last_scans_or_in_more_of_a_radar_that_shows_little() {
 fn it_moves_on_and_stops_but_does_not_turn_round() {
     let moved = |speed_mps: f64, acceleration_mps2: f64, ego_mps: f64| {
         let mut object = Object { speed_mps, acceleration_mps2, ..stands(40.0, 0.0) };
-        object.move_on(0.5, ego_mps);
+        object.move_along(0.5, ego_mps);
         (object.distance_m, object.speed_mps)
     };
     assert_eq!(moved(10.0, 2.0, 12.0), (40.0 + 5.25 - 6.0, 11.0));
     assert_eq!(moved(2.0, -8.0, 0.0), (40.5, 0.0));
     assert_eq!(moved(-3.0, -8.0, 4.0), (40.0 - 3.5, -3.0), "it comes towards the ego");
-    let aside = Object::at(40.0, 10.0, 2.0, -1.0, 0.95).moved_on(0.5, 12.0);
+    let aside = Object::at(40.0, 10.0, 2.0, -1.0).moved_on(0.5, 12.0);
     assert_eq!((aside.distance_m, aside.speed_mps), (39.0, 10.0));
     assert!((aside.lateral.position_m - 1.5).abs() < 1e-6);
 }
@@ -71,7 +71,7 @@ fn beside_the_ego_it_is_hidden_once_its_last_place_is_out_of_sight() {
 #[test]
 fn an_object_on_the_axis_stays_there_unseen() {
     let coasts = |off_m: f64, rate_mps: f64| {
-        let mut object = Object::at(20.0, 10.0, off_m, rate_mps, 0.95);
+        let mut object = Object::at(20.0, 10.0, off_m, rate_mps);
         object.acceleration_mps2 = -3.0;
         object.coast();
         assert_eq!(object.acceleration_mps2, 0.0);
@@ -92,7 +92,7 @@ fn a_side_shows_beside_the_line_of_sight() {
     let (side, shown_m) = shown(stands(40.0, -3.5)).expect("its left side");
     assert!(side == -1.0 && (shown_m + 2.6).abs() < 1e-6);
     // On a left curve a lead in the middle is right of the line of sight.
-    let lead = Object { bow_m: 3.0, ..Object::at(40.0, 10.0, 0.0, 0.0, 0.95) };
+    let lead = Object { bow_m: 3.0, ..Object::at(40.0, 10.0, 0.0, 0.0) };
     let (side, shown_m) = shown(lead).expect("its left side");
     assert!(side == -1.0 && (shown_m - 0.9).abs() < 1e-6);
     // A standing object there may point along a straight road: it shows the other side then.
@@ -103,7 +103,9 @@ fn a_side_shows_beside_the_line_of_sight() {
 #[test]
 fn a_way_bows_by_half_of_its_curvature_and_the_square_of_the_distance() {
     let mut object = stands(40.0, 0.0);
-    object.see_along(&Circle { curvature_perm: 0.005, heading_rad: 0.0 });
+    let mut way = OwnWay::new(0.0, 0.0);
+    way.take(0, 0.1, 20.0);
+    object.see_along(&way);
     assert!((object.bow_m - 4.0).abs() < 1e-9);
     assert!((object.way_sigma_m - 0.24).abs() < 1e-9);
 }
@@ -183,7 +185,7 @@ fn on_a_curve_what_stands_is_hidden_on_the_side_of_the_nearer_one() {
 fn an_object_begins_unconfirmed_with_a_cars_size() {
     let begun = Object::begin(40.0, 1.0, 12.0);
     assert_eq!((begun.distance_m, begun.speed_mps, begun.length_m), (40.0, 12.0, 4.3));
-    assert_eq!((begun.lateral.position_m, begun.half_width_m, begun.scans), (1.0, 0.95, 0));
+    assert_eq!(begun.lateral.position_m, 1.0);
     assert!(!begun.is_confirmed && begun.history == 0 && begun.probability == 1.0);
     assert!((begun.lateral.position_sigma_m() - 0.7).abs() < 1e-9);
 }

@@ -24,7 +24,7 @@ fn follow(objects: &mut Objects, scans: i64, x: impl Fn(f64) -> f64, y: impl Fn(
         let relative_mps = (x(t + 1e-6) - x(t)) / 1e-6;
         let points = [(0.0, 0.0), (0.0, 0.9), (0.0, -0.9), (0.8, 0.9), (3.4, 0.9)];
         let list = points.map(|(dx, dy)| detection(x(t) + dx, y(t) + dy, relative_mps));
-        objects.take_scan(None, k * PERIOD_NS, ego_mps, &list);
+        objects.take_scan(&OwnWay::default(), 1.0, k * PERIOD_NS, ego_mps, &list);
     }
 }
 
@@ -87,7 +87,7 @@ fn scattered_false_alarms_become_nothing() {
     };
     for k in 0..20_000 {
         let scattered = detection(150.0 * random(), 20.0 * random() - 10.0, 60.0 * random() - 50.0);
-        objects.take_scan(None, k * PERIOD_NS, 25.0, &[scattered]);
+        objects.take_scan(&OwnWay::default(), 1.0, k * PERIOD_NS, 25.0, &[scattered]);
         assert_eq!(objects.confirmed().count(), 0, "scan {k}");
     }
 }
@@ -97,10 +97,10 @@ fn an_object_out_of_sight_is_kept_for_a_while_and_then_dropped() {
     let mut objects = Objects::new(HALF_FIELD_RAD);
     follow(&mut objects, 20, |t| 40.0 - 5.0 * t, |_| 0.0);
     for k in 20..28 {
-        objects.take_scan(None, k * PERIOD_NS, 20.0, &[]);
+        objects.take_scan(&OwnWay::default(), 1.0, k * PERIOD_NS, 20.0, &[]);
         assert_eq!(objects.confirmed().count(), 1, "scan {k}");
     }
-    objects.take_scan(None, 29 * PERIOD_NS, 20.0, &[]);
+    objects.take_scan(&OwnWay::default(), 1.0, 29 * PERIOD_NS, 20.0, &[]);
     assert_eq!(objects.confirmed().count(), 0);
 }
 
@@ -117,7 +117,7 @@ fn an_object_beside_the_ego_and_out_of_sight_is_carried_on() {
             .into_iter()
             .filter(|detection| detection.azimuth_rad.abs() < HALF_FIELD_RAD)
             .collect();
-        objects.take_scan(None, k * PERIOD_NS, 20.0, &list);
+        objects.take_scan(&OwnWay::default(), 1.0, k * PERIOD_NS, 20.0, &list);
         let kept = objects.confirmed().next();
         if k >= 3 && x(t) > -4.0 {
             let object = kept.unwrap_or_else(|| panic!("it is lost at {} m", x(t)));
@@ -142,7 +142,7 @@ fn a_long_vehicle_beside_the_path_stays_beside_it_along_all_of_its_side() {
             |detection: &Detection| detection.range_m > 0.5 && detection.azimuth_rad.abs() < 0.5;
         list.extend(side.map(|place| detection(x_m + 0.9 + 3.2 * f64::from(place), 2.6, -24.0)));
         list.retain(ahead);
-        objects.take_scan(None, i64::from(k) * PERIOD_NS, 29.0, &list);
+        objects.take_scan(&OwnWay::default(), 1.0, i64::from(k) * PERIOD_NS, 29.0, &list);
         let seen = objects.confirmed().filter(|object| k > 20 && object.unseen_s == 0.0);
         worst_m = seen.fold(worst_m, |worst, object| worst.min(object.lateral.position_m));
     }
@@ -166,7 +166,7 @@ fn an_object_half_hidden_by_a_leaving_lead_is_in_the_middle_of_the_path() {
         let places = [(0.0, -0.95), (0.0, 0.0), (0.0, 0.95)];
         let mut list: Vec<_> = places.map(|(dx, dy)| detection(40.0 + dx, y_m + dy, 0.0)).to_vec();
         list.extend(uncovered(x_m, -20.0, (40.0, y_m)));
-        objects.take_scan(None, i64::from(k) * PERIOD_NS, 20.0, &list);
+        objects.take_scan(&OwnWay::default(), 1.0, i64::from(k) * PERIOD_NS, 20.0, &list);
     }
     let object = objects.confirmed().find(|object| object.stands()).expect("it is seen");
     // Only its right corner and its middle were.
@@ -185,7 +185,7 @@ fn a_standing_queue_beside_the_lane_stays_there() {
         let noise_m = [0.5, -0.4, 0.3, -0.5, 0.1][k as usize % 5] * x_m / 90.0;
         let places = [(0.0, 2.6), (0.0, 3.5), (0.9, 2.6), (3.6, 2.6)];
         let list = places.map(|(dx, y_m)| detection(x_m + dx, y_m + noise_m, -20.0));
-        objects.take_scan(None, i64::from(k) * PERIOD_NS, 20.0, &list);
+        objects.take_scan(&OwnWay::default(), 1.0, i64::from(k) * PERIOD_NS, 20.0, &list);
     }
     let object = objects.confirmed().next().expect("it is followed");
     assert!((object.lateral.position_m - 3.5).abs() < 0.2, "{object:?}");
@@ -195,12 +195,11 @@ fn a_standing_queue_beside_the_lane_stays_there() {
 /// The scan in which a standing car counts of which every seventh scan shows something.
 fn counts_from(share: f64) -> Option<i64> {
     let mut objects = Objects::new(HALF_FIELD_RAD);
-    objects.expect(share);
     (0..80).find(|k| {
         let x_m = 90.0 - 0.4 * *k as f64;
         let list = [detection(x_m, 0.2, -8.0)];
         let seen = if k % 7 == 0 { &list[..] } else { &[] };
-        objects.take_scan(None, k * PERIOD_NS, 8.0, seen);
+        objects.take_scan(&OwnWay::default(), share, k * PERIOD_NS, 8.0, seen);
         objects.confirmed().next().is_some()
     })
 }
@@ -216,7 +215,7 @@ fn a_radar_that_shows_little_is_given_time() {
 /// another circle.
 mod in_curves {
     use super::*;
-    use crate::circle::{Body, Circle, OwnWay};
+    use crate::circle::{Circle, OwnWay};
 
     const EGO_MPS: f64 = 20.0;
 
@@ -236,12 +235,12 @@ mod in_curves {
         scans: i64,
         scan: impl Fn(f64, &Circle) -> Vec<Detection>,
     ) -> (Objects, OwnWay) {
-        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(Body::default()));
+        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(0.0, 0.0));
         for k in 0..scans {
             way.take(k * PERIOD_NS, EGO_MPS / radius_m, EGO_MPS);
             let mut list = scan(k as f64 * 0.05, &way.circle());
             list.sort_by(|a, b| a.range_m.total_cmp(&b.range_m));
-            objects.take_scan(Some(&way), k * PERIOD_NS, EGO_MPS, &list);
+            objects.take_scan(&way, 1.0, k * PERIOD_NS, EGO_MPS, &list);
         }
         (objects, way)
     }
@@ -272,7 +271,7 @@ mod in_curves {
     #[test]
     fn a_standing_object_keeps_its_place_while_the_ego_steers_into_a_curve() {
         // The ego drives straight for 1 s, and then with a radius of 250 m. The steps are 1 ms, by dead reckoning.
-        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(Body::default()));
+        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(0.0, 0.0));
         let (car_x_m, car_y_m) = (75.0, 4.0);
         let (mut x_m, mut y_m, mut heading_rad) = (0.0, 0.0, 0.0_f64);
         for k in 0..2000 {
@@ -285,7 +284,7 @@ mod in_curves {
                 let (dx, dy) = (car_x_m - x_m, car_y_m - y_m);
                 let (ahead_m, left_m) = (dx * cosine + dy * sine, dy * cosine - dx * sine);
                 let list = [seen(ahead_m, left_m, 0.0, 0.0)];
-                objects.take_scan(Some(&way), k * 1_000_000, EGO_MPS, &list);
+                objects.take_scan(&way, 1.0, k * 1_000_000, EGO_MPS, &list);
                 if k > 500 {
                     let object = objects.confirmed().next().expect("it is followed");
                     let (body_x_m, body_y_m) =
@@ -316,7 +315,7 @@ mod in_curves {
             ahead.map(|(x_m, y_m)| seen(x_m, y_m, 0.0, 0.0)).collect()
         });
         let in_way = objects.confirmed().filter(|object| object.lateral.position_m.abs() < 1.9);
-        in_way.map(|object| objects.places().have_on_row(object)).collect()
+        in_way.map(|object| objects.lead_to(object.distance_m, object.lateral.position_m)).collect()
     }
 
     #[test]
@@ -331,11 +330,10 @@ mod in_curves {
     }
 
     #[test]
-    fn without_a_way_nothing_is_on_a_row_and_the_road_is_sure() {
+    fn on_a_straight_road_the_way_is_sure() {
         let mut objects = Objects::new(HALF_FIELD_RAD);
         follow(&mut objects, 20, |t| 60.0 - 20.0 * t, |_| 0.2);
         let object = objects.confirmed().next().expect("it stands");
-        assert_eq!(object.row_m, None);
         assert_eq!((object.bow_m, object.way_sigma_m), (0.0, 0.0));
     }
 }

@@ -2,7 +2,6 @@
 
 use super::kinds::Drive;
 use aebs::decision::Decision;
-use aebs::numbers::Numbers;
 use aebs::prediction::Ego as OwnMotion;
 use bytemuck::Zeroable;
 use messages::{BrakeState, Detection, MAX_DETECTIONS};
@@ -111,8 +110,8 @@ fn careful_driver_collides(drive: &Drive, trace: &[(f64, Motion)]) -> bool {
     from.is_none_or(|from| driver_collides(drive, *from, CAREFUL_MPS2))
 }
 
-/// Drives it with an emergency brake of these numbers.
-pub fn drive(drive: &Drive, numbers: Numbers) -> Result {
+/// Drives it with the emergency brake.
+pub fn drive(drive: &Drive) -> Result {
     let text = format!(
         "schema_version = 1\nname = \"x\"\nseed = {}\n[perception.radar.detections]\n\
         false_alarms_per_scan = {:?}\n[aebs]\nenabled = true\n",
@@ -122,7 +121,7 @@ pub fn drive(drive: &Drive, numbers: Numbers) -> Result {
     let mut radar = DetectionRadar::new(&scenario);
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
     let mut objects = aebs::objects(&scenario);
-    let mut decision = Decision::with_numbers(aebs::settings(&scenario), numbers);
+    let mut decision = Decision::new(aebs::settings(&scenario));
     let mut ego = Motion { position_m: 0.0, speed_mps: drive.ego_mps };
     let (mut law_mps2, mut ceiling, mut asked_s) = (drive.ego_mps2, None::<f64>, 0.0);
     let (mut acceleration, mut asks) = (law_mps2, false);
@@ -151,13 +150,14 @@ pub fn drive(drive: &Drive, numbers: Numbers) -> Result {
             );
             let received = radar.scan(None, &scene, &mut detections);
             objects.take_scan(
-                None,
+                &aebs::own_way(&scenario),
+                1.0,
                 step as i64 * STEP_NS,
                 ego.speed_mps,
                 &detections[..received.count],
             );
             let own = OwnMotion { speed_mps: ego.speed_mps, acceleration_mps2: acceleration };
-            let demand = decision.step(&own, objects.threats(decision.path()), objects.places());
+            let demand = decision.step(&own, objects.threats(decision.path()), |_| false);
             asks = demand.deceleration_mps2 > 0.0;
             if asks && !result.braked && demand.state == BrakeState::Braking {
                 result.braked = true;
