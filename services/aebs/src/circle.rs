@@ -49,45 +49,39 @@ pub struct Circle {
     pub heading_rad: f64,
 }
 
+/// A vector in axes that are turned to the left by `rad`.
+fn seen_turned((x_m, y_m): (f64, f64), rad: f64) -> (f64, f64) {
+    let (sine, cosine) = libm::sincos(rad);
+    (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine)
+}
+
 impl Circle {
     /// Length along the circle and distance left of it, m, of a point of the body.
-    #[must_use]
     pub fn to_way(&self, x_m: f64, y_m: f64) -> (f64, f64) {
         self.place(x_m, y_m).0
     }
 
-    /// The same, and the cosine and sine of the circle's heading there in the body's axes.
-    pub(crate) fn place(&self, x_m: f64, y_m: f64) -> ((f64, f64), (f64, f64)) {
-        let (sine, cosine) = libm::sincos(self.heading_rad);
-        let (x_m, y_m) = (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine);
+    /// The same, and the circle's heading there, rad to the left of the body.
+    pub(crate) fn place(&self, x_m: f64, y_m: f64) -> ((f64, f64), f64) {
+        let (x_m, y_m) = seen_turned((x_m, y_m), self.heading_rad);
         let k = self.curvature_perm;
         if k == 0.0 {
-            return ((x_m, y_m), (cosine, sine));
+            return ((x_m, y_m), self.heading_rad);
         }
         let q_m = k * (x_m * x_m + y_m * y_m) - 2.0 * y_m;
         let root = (1.0 + k * q_m).max(0.0).sqrt();
-        // The point is seen from the centre at this angle.
-        let (turn_sine, turn_cosine) = (k * x_m / root, (1.0 - k * y_m) / root);
-        let along_m = libm::atan2(k * x_m, 1.0 - k * y_m) / k;
-        let heading =
-            (turn_cosine * cosine - turn_sine * sine, turn_cosine * sine + turn_sine * cosine);
-        ((along_m, -q_m / (1.0 + root)), heading)
+        let turn_rad = libm::atan2(k * x_m, 1.0 - k * y_m);
+        ((turn_rad / k, -q_m / (1.0 + root)), self.heading_rad + turn_rad)
     }
 
     /// The point of the body that is `along_m` along the circle and `off_m` left of it.
-    #[must_use]
     pub fn to_body(&self, along_m: f64, off_m: f64) -> (f64, f64) {
-        let turn_rad = self.curvature_perm * along_m;
-        let (half_sine, half_cosine) = libm::sincos(0.5 * turn_rad);
+        let half_rad = 0.5 * self.curvature_perm * along_m;
         // A chord has the heading of half of its turn.
         let chord_m =
-            if turn_rad == 0.0 { along_m } else { along_m * half_sine / (0.5 * turn_rad) };
-        let (turn_sine, turn_cosine) =
-            (2.0 * half_sine * half_cosine, 1.0 - 2.0 * half_sine * half_sine);
-        let (x_m, y_m) =
-            (chord_m * half_cosine - off_m * turn_sine, chord_m * half_sine + off_m * turn_cosine);
-        let (sine, cosine) = libm::sincos(self.heading_rad);
-        (x_m * cosine - y_m * sine, y_m * cosine + x_m * sine)
+            if half_rad == 0.0 { along_m } else { along_m * libm::sin(half_rad) / half_rad };
+        let (x_m, y_m) = seen_turned((0.0, off_m), -half_rad);
+        seen_turned((chord_m + x_m, y_m), -half_rad - self.heading_rad)
     }
 
     /// A place on this circle as seen from the `next` one, when the ego has driven `way_m` and has turned by
@@ -99,9 +93,9 @@ impl Circle {
         (along_m, off_m): (f64, f64),
     ) -> (f64, f64) {
         // The body turned by as much more than the circle does on this way.
-        let (sine, cosine) = libm::sincos(turn_rad - self.curvature_perm * way_m);
-        let (x_m, y_m) = self.to_body(along_m, off_m);
-        next.to_way(x_m * cosine + y_m * sine, y_m * cosine - x_m * sine)
+        let more_rad = turn_rad - self.curvature_perm * way_m;
+        let (x_m, y_m) = seen_turned(self.to_body(along_m, off_m), more_rad);
+        next.to_way(x_m, y_m)
     }
 }
 
@@ -120,7 +114,6 @@ pub struct OwnWay {
 impl OwnWay {
     /// The way of a car on a road with curves, before its first yaw rate. Its front bumper is `bumper_m` ahead of the
     /// rear axle (0: the body points along its way). The rear tyres slip by an angle per lateral acceleration.
-    #[must_use]
     pub fn new(bumper_m: f64, slip_rad_per_mps2: f64) -> Self {
         Self { bumper_m, slip_rad_per_mps2, curvature_sigma_perm: SIGMA_PERM, ..Self::default() }
     }
@@ -146,14 +139,10 @@ impl OwnWay {
         self.curvature_sigma_perm > 0.0
     }
 
-    /// The newest yaw rate, rad/s.
-    #[must_use]
     pub fn yaw_rate_radps(&self) -> f64 {
         self.yaw_rate_radps
     }
 
-    /// The way ahead.
-    #[must_use]
     pub fn circle(&self) -> Circle {
         let lever_m = self.bumper_m - self.slip_rad_per_mps2 * self.speed_mps * self.speed_mps;
         Circle { curvature_perm: self.curvature_perm, heading_rad: self.curvature_perm * lever_m }

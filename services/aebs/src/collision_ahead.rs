@@ -18,7 +18,6 @@ const LEAST_CLOSING_MPS: f64 = 2.0;
 const LEAST_PROBABILITY: f64 = 0.05;
 
 /// `first` as it will be where it hits `second`; `None` if it will not, or not in the ego's `path`.
-#[must_use]
 pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Option<Object> {
     if second.lateral.position_m.abs() > HALF_WIDTH_M + path.half_width_m {
         return None;

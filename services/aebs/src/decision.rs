@@ -94,33 +94,25 @@ const LOST_SHARE: f64 = 0.25;
 /// The ego's swept path, and the time ahead for which lateral motion is extrapolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
-    /// Half of the ego's width, m.
     pub half_width_m: f64,
     /// Longest time over which lateral motion is carried on, s.
     pub horizon_s: f64,
 }
 
-/// Settings of the decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Capability of the brakes.
     pub authority: Authority,
-    /// The swept path.
     pub path: Path,
-    /// Period of the decision, s.
     pub period_s: f64,
-    /// Distance to be left, m.
     pub margin_m: f64,
     /// Time by which the warning comes before the braking, where there is time, s.
     pub warning_s: f64,
-    /// Length of the ego, m.
     pub ego_length_m: f64,
 }
 
 /// Request to the brakes, and its reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand {
-    /// State.
     pub state: BrakeState,
     /// Deceleration, m/s², 0 unless it brakes or holds.
     pub deceleration_mps2: f64,
@@ -128,7 +120,6 @@ pub struct Demand {
     pub threat: Option<(f64, f64, f64)>,
 }
 
-/// The decision and its memory.
 #[derive(Clone, Debug)]
 pub struct Decision {
     settings: Settings,
@@ -166,21 +157,15 @@ fn likely(closing_mps: f64) -> f64 {
 }
 
 impl Decision {
-    /// No threat yet.
-    #[must_use]
     pub fn new(settings: Settings) -> Self {
         let state = BrakeState::Monitoring;
         Self { settings, state, waited_s: 0.0, hardest_mps2: 0.0 }
     }
 
-    /// The state after the last step.
-    #[must_use]
     pub fn state(&self) -> BrakeState {
         self.state
     }
 
-    /// The ego's swept path.
-    #[must_use]
     pub fn path(&self) -> Path {
         self.settings.path
     }

@@ -50,17 +50,14 @@ const KEEPS: f64 = 0.8;
 const MOST_VARY: f64 = 0.3;
 /// Variance of a position that is known, m².
 const KNOWN_M2: f64 = 1e-4;
-/// Least probability of a state.
 const LEAST: f64 = 1e-9;
 /// A rate of the row stands for those around it, with this standard deviation, m/s.
 const RATE_SIGMA_MPS: f64 = 0.055;
 /// Least standard deviation of a distance across the lanes, m.
 const LEAST_SIGMA_M: f64 = 1e-3;
 
-/// A number of each state.
 type Row = [f64; STATES];
 
-/// The rate of each state, m/s.
 const RATES_MPS: Row = {
     let mut rates_mps = [0.0; STATES];
     let mut k = 1;
@@ -77,7 +74,6 @@ const RATES_MPS: Row = {
 pub struct Lateral {
     /// Mean position, m, left positive.
     pub position_m: f64,
-    /// Mean rate, m/s.
     pub rate_mps: f64,
     probability: Row,
     /// The position in each state, and its variance.
@@ -88,13 +84,9 @@ pub struct Lateral {
 /// A hypothesis: a rate, its probability, and the position with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hypothesis {
-    /// Probability.
     pub probability: f64,
-    /// Rate, m/s.
     pub rate_mps: f64,
-    /// Mean position, m.
     pub position_m: f64,
-    /// Standard deviation of the position, m.
     pub sigma_m: f64,
 }
 
@@ -124,13 +116,11 @@ impl Lateral {
     }
 
     /// A motion of which one measurement is known, with its standard deviation, m.
-    #[must_use]
     pub fn first(position_m: f64, sigma_m: f64) -> Self {
         Self::begin(position_m, sigma_m * sigma_m, KEEPS)
     }
 
     /// A known place without a lateral speed.
-    #[must_use]
     pub fn still(position_m: f64) -> Self {
         Self::begin(position_m, KNOWN_M2, 1.0)
     }
@@ -142,7 +132,6 @@ impl Lateral {
         Self { position_m, rate_mps: 0.0, probability, mean_m, variance_m2 }
     }
 
-    /// All states.
     pub fn hypotheses(&self) -> impl Iterator<Item = Hypothesis> {
         (0..STATES).map(|k| Hypothesis {
             probability: self.probability[k],
@@ -152,8 +141,6 @@ impl Lateral {
         })
     }
 
-    /// Standard deviation of the position, m.
-    #[must_use]
     pub fn position_sigma_m(&self) -> f64 {
         let square = |k: usize| {
             let off_m = self.mean_m[k] - self.position_m;
@@ -257,7 +244,6 @@ impl Lateral {
     }
 }
 
-/// Density of a normal deviate.
 fn density(off: f64, variance: f64) -> f64 {
     libm::exp(-0.5 * off * off / variance) / (std::f64::consts::TAU * variance).sqrt()
 }

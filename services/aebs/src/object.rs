@@ -24,20 +24,17 @@ pub(crate) const SIDE_M: f64 = 0.9;
 /// Standing objects farther off the way are beside the road, m: beyond the neighbouring lanes.
 pub(crate) const ROAD_M: f64 = 5.0;
 
-/// An object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Object {
     /// Distance of its nearest face, m ahead of the ego's front.
     pub distance_m: f64,
     /// Speed over ground, m/s.
     pub speed_mps: f64,
-    /// Acceleration, m/s².
     pub acceleration_mps2: f64,
     /// Lateral position of its middle, m left of the ego's axis, and its rate.
     pub lateral: Lateral,
     /// Its length as far as it was seen, m.
     pub length_m: f64,
-    /// It counts.
     pub is_confirmed: bool,
     /// Probability that it is there.
     pub probability: f64,
@@ -96,8 +93,6 @@ impl Object {
         (self.history << (u32::BITS - looked)).count_ones()
     }
 
-    /// True if it stands.
-    #[must_use]
     pub fn stands(&self) -> bool {
         self.speed_mps.abs() < STANDING_MPS
     }
@@ -108,7 +103,6 @@ impl Object {
     }
 
     /// It moved on by `time_s` beside an ego of `ego_mps`, along the way and across it.
-    #[must_use]
     pub fn moved_on(mut self, time_s: f64, ego_mps: f64) -> Self {
         self.move_along(time_s, ego_mps);
         self.lateral.move_on(time_s);

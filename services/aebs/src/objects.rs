@@ -38,7 +38,6 @@ use crate::row;
 use crate::sighting::correct;
 use messages::{Detection, MAX_DETECTIONS};
 
-/// Most objects that are followed at a time.
 pub const MAX_OBJECTS: usize = 64;
 
 /// An object reaches so far behind its nearest face, m: longer ones come out as two.
@@ -60,7 +59,6 @@ const SEEN: u32 = 2;
 /// They may be on a row up to this distance behind the bumper, m.
 const BEHIND_M: f64 = 15.0;
 
-/// All objects.
 #[derive(Clone, Debug)]
 pub struct Objects {
     list: Vec<Object>,
@@ -76,7 +74,6 @@ pub struct Objects {
 
 impl Objects {
     /// No objects yet, of a radar with this field of view to each side, rad.
-    #[must_use]
     pub fn new(half_field_of_view_rad: f64) -> Self {
         Self {
             list: Vec::with_capacity(MAX_OBJECTS),
@@ -104,7 +101,6 @@ impl Objects {
 
     /// True if a standing object at a place of the last scan is on a row that comes from beside the lane. The search
     /// is long: it is for what the ego would brake for.
-    #[must_use]
     pub fn lead_to(&self, distance_m: f64, off_m: f64) -> bool {
         let is_seen = |object: &&Object| {
             let is_known = object.is_confirmed || object.history.count_ones() >= SEEN;

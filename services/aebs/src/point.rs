@@ -14,7 +14,6 @@ const WEAK_SIGMA_RAD: f64 = 0.0205;
 /// The same of a range rate, m/s.
 const RATE_SIGMA_MPS: f64 = 0.04;
 const WEAK_SIGMA_MPS: f64 = 0.078;
-/// Standard deviation of a range, m.
 const RANGE_SIGMA_M: f64 = 0.1;
 /// Least cosine of the angle between a line of sight and a motion. Below it, a range rate shows little of the motion.
 const LEAST_COSINE: f64 = 0.1;
@@ -23,7 +22,6 @@ const STRONGEST: f64 = 31.622_776_601_683_793;
 /// Standard deviation of the place that reflects on a side, m.
 pub(crate) const SIDE_SIGMA_M: f64 = 0.03;
 
-/// A detection as a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point {
     /// Along the way and left of it.
@@ -45,9 +43,8 @@ impl Point {
     pub(crate) fn of(detection: &Detection, ego_mps: f64, way: &Circle) -> Option<Self> {
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
-        let ((x_m, y_m), (way_cosine, way_sine)) = way.place(ahead_m, left_m);
-        let road_sine = sine * way_cosine - cosine * way_sine;
-        let road_cosine = cosine * way_cosine + sine * way_sine;
+        let ((x_m, y_m), road_rad) = way.place(ahead_m, left_m);
+        let (road_sine, road_cosine) = libm::sincos(detection.azimuth_rad - road_rad);
         if cosine < LEAST_COSINE || road_cosine < LEAST_COSINE {
             return None;
         }

@@ -5,7 +5,6 @@
 //! object keeps the acceleration that was estimated, until it stands. Both are integrated in steps of [`STEP_S`]. The
 //! time ends when the ego has passed, or has fallen back behind the object.
 
-/// Step of the prediction, s.
 const STEP_S: f64 = 0.02;
 /// Longest prediction, s: a car at 70 m/s with 0.85 g stands before.
 const LONGEST_S: f64 = 10.0;
@@ -26,9 +25,7 @@ pub struct Authority {
 /// The ego as its odometry has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ego {
-    /// Speed, m/s.
     pub speed_mps: f64,
-    /// Acceleration, m/s².
     pub acceleration_mps2: f64,
 }
 
@@ -37,15 +34,12 @@ pub struct Ego {
 pub struct Threat {
     /// Bumper-to-bumper distance, m.
     pub gap_m: f64,
-    /// Its speed over ground, m/s.
     pub speed_mps: f64,
-    /// Its acceleration, m/s².
     pub acceleration_mps2: f64,
     /// The ego has passed it when this far beyond its rear, m: both lengths.
     pub passed_m: f64,
 }
 
-/// Motion of the ego.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Plan {
     /// It keeps its acceleration.
@@ -61,19 +55,16 @@ pub enum Plan {
 /// The time in which the two are beside each other along the road.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Beside {
-    /// Its begin, s.
     pub first_s: f64,
     /// Its end, s; infinite if it does not end.
     pub last_s: f64,
     /// Speed of the ego over the other at the start, m/s.
     pub first_mps: f64,
-    /// The same at the end.
     pub last_mps: f64,
 }
 
 impl Beside {
     /// Speed of the ego over the other when they touch, m/s, if the other is in the way from `in_s` on.
-    #[must_use]
     pub fn closing_mps(&self, in_s: f64) -> f64 {
         let span_s = self.last_s - self.first_s;
         let share = if span_s > 0.0 && span_s.is_finite() {
@@ -87,7 +78,6 @@ impl Beside {
 
 impl Authority {
     /// Time when the ego is beside `threat`, or nearer behind it than `clear_m`. `None`: never, or it has passed.
-    #[must_use]
     pub fn beside(&self, ego: &Ego, threat: &Threat, plan: Plan, clear_m: f64) -> Option<Beside> {
         let begins_s = match plan {
             Plan::Keep | Plan::Release => f64::INFINITY,

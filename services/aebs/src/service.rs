@@ -13,13 +13,12 @@ use messages::{
 };
 use runtime::statistics::Latencies;
 use runtime::{
-    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    Clock, Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber,
     monotonic_ns,
 };
 use scenario::Scenario;
 use scenario::lateral::LateralModel;
 
-/// Half of the ego's width, m.
 const HALF_WIDTH_M: f64 = 0.95;
 /// Periods by which detections may be late before the timer releases a cycle.
 const FALLBACK: f64 = 0.5;
@@ -53,7 +52,6 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
 }
 
 /// Sum of the reports of all processes of a run's emergency brake, which left out `skipped` releases.
-#[must_use]
 pub fn last_known(group: &Group, scenario: &Scenario, skipped: u64) -> AebsReport {
     let figures = Figures::of(group, Service::Aebs);
     let late = figures.count(LATE).map_or(0, |late| late.get());
@@ -64,8 +62,6 @@ pub fn last_known(group: &Group, scenario: &Scenario, skipped: u64) -> AebsRepor
     }
 }
 
-/// Settings of a scenario.
-#[must_use]
 pub fn settings(scenario: &Scenario) -> Settings {
     let keys = &scenario.aebs;
     Settings {
@@ -83,13 +79,11 @@ pub fn settings(scenario: &Scenario) -> Settings {
 }
 
 /// The objects that a scenario's radar sees, none yet.
-#[must_use]
 pub fn objects(scenario: &Scenario) -> Objects {
     Objects::new(0.5 * scenario.perception.radar.field_of_view_deg.value().to_radians())
 }
 
 /// Sight of a scenario's radar before its first scan.
-#[must_use]
 pub fn sight(scenario: &Scenario) -> Sight {
     let radar = &scenario.perception.radar;
     let half_rad = 0.5 * radar.field_of_view_deg.value().to_radians();
@@ -97,7 +91,6 @@ pub fn sight(scenario: &Scenario) -> Sight {
 }
 
 /// The ego's own way on a scenario's road, before its first yaw rate.
-#[must_use]
 pub fn own_way(scenario: &Scenario) -> OwnWay {
     if scenario.road.plan().is_none() || scenario.perception.course.sources.is_empty() {
         return OwnWay::default();
@@ -168,7 +161,7 @@ impl Aebs {
         let demand = self.demand(&release);
         self.decide.record_ns(monotonic_ns() - begun);
         let mut message = self.brake.loan()?;
-        self.write(&mut message, runtime, &release, demand.as_ref());
+        self.write(&mut message, runtime.clock(), &release, demand);
         let published_ns = self.brake.send(message)?;
         self.late.add(u64::from(published_ns - release.scheduled_ns > self.deadline_ns));
         let state = if demand.is_some() { ServiceState::Running } else { ServiceState::Degraded };
@@ -178,31 +171,20 @@ impl Aebs {
 
     /// `None` without detections of use.
     fn demand(&mut self, release: &Release) -> Option<Demand> {
+        let now_ns = release.scheduled_ns;
         let scan = self.detections.newest()?;
         let scanned_ns = scan.header.acquisition_ns;
-        let now_ns = release.scheduled_ns;
         if now_ns - scanned_ns > self.stale_ns {
             return None;
         }
         let age_s = (now_ns - scanned_ns) as f64 / 1e9;
-        let stale_ns = STALE_ODOMETRY_NS.max(self.period_ns);
-        let odometry = (self.odometry.newest())
-            .filter(|odometry| now_ns - odometry.header.acquisition_ns <= stale_ns);
-        // Odometry that does not fit what stands beside the road is wrong: the radar's own speed then.
-        let ego = odometry.map(|odometry| Ego {
-            speed_mps: odometry.moved_to(release.time_s).1,
-            acceleration_mps2: odometry.acceleration_mps2,
-        });
-        let differs = |ego: &Ego| (ego.speed_mps - scan.ego_speed_mps).abs();
-        let ego = ego
-            .filter(|ego| differs(ego) <= DISAGREES_MPS + MAX_MPS2 * age_s)
-            .unwrap_or(Ego { speed_mps: scan.ego_speed_mps, acceleration_mps2: 0.0 });
-        self.sight.take_scan(scanned_ns, scan.detections());
-        let share = self.sight.expected_share();
         let scanned_mps = scan.ego_speed_mps;
+        let ego = self.ego(release, scanned_mps, age_s);
+        self.sight.take_scan(scanned_ns, scan.detections());
         if let Some(sample) = self.lateral.as_ref().and_then(Subscriber::newest) {
             self.way.take(sample.header.acquisition_ns, sample.yaw_rate_radps, scanned_mps);
         }
+        let share = self.sight.expected_share();
         self.objects.take_scan(&self.way, share, scanned_ns, scanned_mps, scan.detections());
         let mean_mps = 0.5 * (scanned_mps + ego.speed_mps);
         let threats = self.objects.threats(self.decision.path());
@@ -214,24 +196,30 @@ impl Aebs {
         Some(self.decision.step(&ego, now, is_on_row))
     }
 
-    fn write(
-        &self,
-        message: &mut Brake,
-        runtime: &Runtime,
-        release: &Release,
-        demand: Option<&Demand>,
-    ) {
+    /// The ego's motion by odometry. Odometry that is missing, or that does not fit what stands beside the road, is
+    /// wrong: the radar's own speed then.
+    fn ego(&self, release: &Release, scanned_mps: f64, age_s: f64) -> Ego {
+        let stale_ns = STALE_ODOMETRY_NS.max(self.period_ns);
+        let odometry = (self.odometry.newest())
+            .filter(|sample| release.scheduled_ns - sample.header.acquisition_ns <= stale_ns);
+        let ego = odometry.map(|sample| Ego {
+            speed_mps: sample.moved_to(release.time_s).1,
+            acceleration_mps2: sample.acceleration_mps2,
+        });
+        let differs = |ego: &Ego| (ego.speed_mps - scanned_mps).abs();
+        ego.filter(|ego| differs(ego) <= DISAGREES_MPS + MAX_MPS2 * age_s)
+            .unwrap_or(Ego { speed_mps: scanned_mps, acceleration_mps2: 0.0 })
+    }
+
+    fn write(&self, message: &mut Brake, clock: &Clock, release: &Release, demand: Option<Demand>) {
         let origins = Origins {
             odometry: self.odometry.origin(),
             radar: self.detections.origin(),
             ..Origins::NONE
         };
         let newest = self.detections.newest();
-        let demand_or_none = demand.copied().unwrap_or_default();
-        let (gap_m, relative_speed_mps, lateral_m) = demand_or_none.threat.unwrap_or_default();
         message.header = Header::new(release.step, release.scheduled_ns, origins);
-        message.radar_release_ns =
-            newest.map_or(-1, |scan| runtime.clock().scheduled_ns(scan.header.step));
+        message.radar_release_ns = newest.map_or(-1, |scan| clock.scheduled_ns(scan.header.step));
         message.idle_ns = release.idle_ns;
         message.start_ns = release.start_ns;
         // It brakes for what it still sees, but does not report itself available for the rest.
@@ -240,10 +228,10 @@ impl Aebs {
         message.state =
             if is_idle && self.sight.is_blind() { BrakeState::Blind } else { state } as u32;
         message.objects = u32::try_from(self.objects.confirmed().count()).unwrap_or(u32::MAX);
-        message.deceleration_mps2 = demand_or_none.deceleration_mps2;
-        message.gap_m = gap_m;
-        message.relative_speed_mps = relative_speed_mps;
-        message.lateral_m = lateral_m;
+        let demand = demand.unwrap_or_default();
+        message.deceleration_mps2 = demand.deceleration_mps2;
+        (message.gap_m, message.relative_speed_mps, message.lateral_m) =
+            demand.threat.unwrap_or_default();
     }
 
     fn report(&self, skipped: u64) -> AebsReport {

@@ -30,16 +30,13 @@ const EDGE_RAD: f64 = 0.1;
 /// Share below which the emergency brake is blind. Chosen: with one echo in three scans an object needs half a second
 /// to be confirmed. A warning precedes the braking by at least as much (UN R152, 5.2.1.1).
 const BLIND_BELOW: f64 = 0.33;
-/// Share from which it sees again.
 const SEES_FROM: f64 = 0.5;
 /// Time without any strong echo after which a radar among posts is blind, s.
 const DARK_S: f64 = 1.0;
-/// Most echoes that are compared.
 const MAX_ECHOES: usize = 128;
 /// Weight of what is assumed at the start: a radar that sees.
 const ASSUMED: f64 = 8.0;
 
-/// The estimate.
 #[derive(Clone, Debug)]
 pub struct Sight {
     echoes: Vec<Detection>,
@@ -54,7 +51,6 @@ pub struct Sight {
 
 impl Sight {
     /// A radar with this field of view to each side, rad, on a road that `has_posts` beside it.
-    #[must_use]
     pub fn new(half_field_of_view_rad: f64, has_posts: bool) -> Self {
         Self {
             echoes: Vec::with_capacity(MAX_ECHOES),
@@ -80,50 +76,43 @@ impl Sight {
         (self.came, self.expected) = (self.came * kept, self.expected * kept);
         for echo in &self.echoes {
             let range_m = echo.range_m + echo.range_rate_mps * period_s;
+            let is_again = |detection: &Detection| {
+                (detection.range_m - range_m).abs() < GATE.0
+                    && (detection.range_rate_mps - echo.range_rate_mps).abs() < GATE.1
+                    && (detection.azimuth_rad - echo.azimuth_rad).abs() < GATE.2
+            };
             if range_m > NEAREST_M {
                 self.expected += 1.0;
-                let again = detections.iter().any(|detection| {
-                    (detection.range_m - range_m).abs() < GATE.0
-                        && (detection.range_rate_mps - echo.range_rate_mps).abs() < GATE.1
-                        && (detection.azimuth_rad - echo.azimuth_rad).abs() < GATE.2
-                });
-                self.came += f64::from(u8::from(again));
+                self.came += f64::from(u8::from(detections.iter().any(is_again)));
             }
         }
         let within_rad = self.half_field_of_view_rad - EDGE_RAD;
-        let is_strong =
-            |detection: &&Detection| detection.snr_db > STRONG_DB && detection.ambiguity_group == 0;
-        let is_dark = !detections.iter().any(|detection| is_strong(&detection));
-        self.echoes.clear();
-        self.echoes.extend(
-            (detections.iter())
-                .filter(is_strong)
-                .filter(|d| (NEAREST_M..FARTHEST_M).contains(&d.range_m))
-                .filter(|d| d.azimuth_rad.abs() < within_rad)
-                .take(MAX_ECHOES),
-        );
+        let strong =
+            (detections.iter()).filter(|echo| echo.snr_db > STRONG_DB && echo.ambiguity_group == 0);
+        let is_dark = strong.clone().next().is_none();
         self.dark_s = if is_dark { self.dark_s + period_s } else { 0.0 };
-        let share = self.share();
-        self.is_blind = share < if self.is_blind { SEES_FROM } else { BLIND_BELOW };
+        let compared = strong.filter(|echo| {
+            (NEAREST_M..FARTHEST_M).contains(&echo.range_m) && echo.azimuth_rad.abs() < within_rad
+        });
+        self.echoes.clear();
+        self.echoes.extend(compared.take(MAX_ECHOES));
+        self.is_blind = self.share() < if self.is_blind { SEES_FROM } else { BLIND_BELOW };
     }
 
     /// Share of the strong echoes that came again; 0 after [`DARK_S`] without any.
-    #[must_use]
     pub fn share(&self) -> f64 {
-        if self.has_posts && self.dark_s >= DARK_S {
-            return 0.0;
+        match self.has_posts && self.dark_s >= DARK_S {
+            true => 0.0,
+            false => self.came / self.expected.max(1e-9),
         }
-        self.came / self.expected.max(1e-9)
     }
 
     /// Share of the scans in which an object is to be expected: less than 1 while blind.
-    #[must_use]
     pub fn expected_share(&self) -> f64 {
         if self.is_blind { self.share() } else { 1.0 }
     }
 
     /// True if too little is seen to brake in time for what comes.
-    #[must_use]
     pub fn is_blind(&self) -> bool {
         self.is_blind
     }
