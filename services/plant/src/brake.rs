@@ -91,7 +91,6 @@ impl Braking {
         self.path.step(release.scheduled_ns.unsigned_abs(), asked_mps2, now_mps2)
     }
 
-    /// State that outlives this process.
     pub(crate) fn snapshot(&self) -> Snapshot {
         Snapshot {
             path: self.path,
@@ -100,7 +99,6 @@ impl Braking {
         }
     }
 
-    /// Goes on from what another process kept.
     pub(crate) fn restore(&mut self, kept: Snapshot) {
         (self.path, self.account.figures) = (kept.path, kept.figures);
         self.chains.last_radar = kept.last_radar;
@@ -130,7 +128,6 @@ pub(crate) struct BrakePath {
     jerk_mps3: f64,
     authority_mps2: f64,
     period_s: f64,
-    /// Start of the present request, ns of run time.
     asked_since_ns: Option<u64>,
     ceiling_mps2: Option<f64>,
 }

@@ -16,16 +16,16 @@
 //! command waits for the plant's next release, with the scenario's extra delay. They end at *scheduled* instants:
 //! lateness is not part of the design. The rest, the *net* reaction time, is the cost of the deployment.
 
-use crate::parts::{Actuated, Chain, PARTS, Stamps};
+use crate::parts::{Actuated, Chain, PARTS};
 use crate::report::Hops;
 use crate::worst::Worst;
+use bytemuck::Zeroable;
 use messages::{Brake, Command, Origin};
 use runtime::chain::ChainTimes;
 use runtime::statistics::Latencies;
 use runtime::{Figures, RuntimeError};
 use std::collections::BTreeMap;
 
-/// Paths of the chains.
 pub(crate) const CONTROL_PATH: &str = "control";
 pub(crate) const BRAKE_PATH: &str = "brake";
 
@@ -77,18 +77,20 @@ impl Chains {
 
     /// Records that `command` acts at `actuated`; called in every cycle of the plant.
     pub(crate) fn actuated(&mut self, command: &Command, actuated: &Actuated) {
-        if let Some(parts) = self.record(&command.into(), actuated) {
+        if let Some(parts) = self.record(command, actuated) {
             self.worst.offer(command, &parts, actuated.now_ns);
         }
     }
 
     /// The same for a request of the emergency brake.
     pub(crate) fn braked(&mut self, brake: &Brake, actuated: &Actuated) {
-        self.record(&brake.into(), actuated);
+        let Brake { header, radar_release_ns, idle_ns, start_ns, .. } = *brake;
+        let stamps = Command { header, radar_release_ns, idle_ns, start_ns, ..Command::zeroed() };
+        self.record(&stamps, actuated);
     }
 
     /// The parts of a chain that ends here for the first time. [`Self::count`] counts them.
-    fn record(&mut self, command: &Stamps, actuated: &Actuated) -> Option<Chain> {
+    fn record(&mut self, command: &Command, actuated: &Actuated) -> Option<Chain> {
         let radar = command.header.origins.radar;
         if !radar.is_some() {
             return None;
@@ -112,7 +114,6 @@ impl Chains {
         self.controller_to_plant.record_ns(parts.controller_to_plant_ns());
     }
 
-    /// Percentiles of the reaction time's parts.
     pub(crate) fn hops_us(&self) -> Hops {
         let parts: [_; PARTS] = std::array::from_fn(|part| self.times.parts[part].percentiles_us());
         Hops {
@@ -138,7 +139,6 @@ impl Chains {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bytemuck::Zeroable;
     use runtime::statistics::Percentiles;
 
     fn command(radar: Origin, released: i64, idle: i64, start: i64, published: i64) -> Command {
@@ -162,23 +162,23 @@ mod tests {
     #[test]
     fn parts_of_a_quiet_chain() {
         let quiet = command(radar(1, 100, 130), 100, 20, 142, 175);
-        let parts = Chain::of(&(&quiet).into(), &at(200, 208, 220));
+        let parts = Chain::of(&quiet, &at(200, 208, 220));
         assert_eq!(parts.0, [30, 0, 12, 33, 25, 8, 12]);
-        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&(&quiet).into())), (120, 25));
+        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&quiet)), (120, 25));
     }
 
     #[test]
     fn a_busy_controller_queues_by_accident_and_a_timer_by_design() {
         // Idle 40 after the sample was published: no designed wait.
         let busy = command(radar(1, 100, 130), 100, 170, 174, 190);
-        let parts = Chain::of(&(&busy).into(), &at(200, 200, 200));
+        let parts = Chain::of(&busy, &at(200, 200, 200));
         assert_eq!((parts.0[1], parts.0[2]), (40, 4));
-        assert_eq!(parts.designed_wait_ns(&(&busy).into()), 10);
+        assert_eq!(parts.designed_wait_ns(&busy), 10);
         // Released by its timer 20 after the publication, awake 5 later.
         let timer = command(radar(1, 100, 130), 150, 90, 155, 180);
-        let parts = Chain::of(&(&timer).into(), &at(200, 200, 200));
+        let parts = Chain::of(&timer, &at(200, 200, 200));
         assert_eq!((parts.0[1], parts.0[2]), (20, 5));
-        assert_eq!(parts.designed_wait_ns(&(&timer).into()), 20 + 20);
+        assert_eq!(parts.designed_wait_ns(&timer), 20 + 20);
     }
 
     #[test]
@@ -186,9 +186,9 @@ mod tests {
         let mut late = command(radar(1, 100, 163), 150, 90, 170, 180);
         late.radar_release_ns = 150;
         // The plant was due at 160, before the command was there, and awoke at 230.
-        let parts = Chain::of(&(&late).into(), &at(160, 230, 240));
+        let parts = Chain::of(&late, &at(160, 230, 240));
         assert_eq!((parts.0[4], parts.0[5]), (0, 50));
-        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&(&late).into())), (140, 50));
+        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&late)), (140, 50));
     }
 
     #[test]
@@ -202,9 +202,9 @@ mod tests {
             let origin = radar(1, random(50), random(100));
             let command = command(origin, random(200), random(200), random(200), random(200));
             let now = 250 + random(100);
-            let parts = Chain::of(&(&command).into(), &at(random(250), random(250), now));
+            let parts = Chain::of(&command, &at(random(250), random(250), now));
             assert_eq!(parts.sum_ns(), now - origin.acquisition_ns, "{command:?}");
-            let designed = parts.designed_wait_ns(&(&command).into());
+            let designed = parts.designed_wait_ns(&command);
             assert!((0..=parts.sum_ns()).contains(&designed));
         }
     }

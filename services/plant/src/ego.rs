@@ -12,7 +12,6 @@ use serde::{Deserialize, Serialize};
 pub(crate) enum Ego {
     /// Follows accelerations; on a road with heights it feels them.
     Car(longitudinal::Vehicle, Option<GradeProfile>),
-    /// Moves in a process of its own.
     Unit(Box<UnitCar>),
     /// Has engine, gears and a road.
     Truck(Box<Truck>),
@@ -26,7 +25,6 @@ pub(crate) enum Snapshot {
 }
 
 impl Ego {
-    /// The ego of a scenario at its start.
     pub(crate) fn new(scenario: &Scenario) -> Result<Self, RuntimeError> {
         if let Some(unit) = &scenario.plant.fmu {
             return Ok(Self::Unit(Box::new(UnitCar::open(scenario, unit)?)));
@@ -55,7 +53,6 @@ impl Ego {
         }
     }
 
-    /// State that outlives this process.
     pub(crate) fn snapshot(&self) -> Snapshot {
         match self {
             Self::Car(car, _) => Snapshot::Car(car.clone()),
@@ -94,7 +91,6 @@ impl Ego {
         }
     }
 
-    /// Present state of motion.
     pub(crate) fn state(&self) -> State {
         match self {
             Self::Car(car, _) => car.state(),

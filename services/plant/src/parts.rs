@@ -1,6 +1,6 @@
-//! The parts of one reaction time, from the stamps of the message that ends it.
+//! The parts of one reaction time, from the stamps of the command that ends it.
 
-use messages::{Brake, Command, Header};
+use messages::Command;
 use runtime::chain::part;
 
 /// Instant and lateness of the plant's act.
@@ -8,39 +8,10 @@ use runtime::chain::part;
 pub(crate) struct Actuated {
     /// Scheduled release of the plant's cycle, ns of run time.
     pub(crate) scheduled_ns: i64,
-    /// Its real start, ns of run time.
     pub(crate) start_ns: i64,
-    /// The actuation, ns of run time.
     pub(crate) now_ns: i64,
 }
 
-/// The stamps of a command that a chain is rebuilt from.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stamps {
-    pub(crate) header: Header,
-    /// Scheduled release of the radar's cycle that published its sample, ns of run time.
-    pub(crate) radar_release_ns: i64,
-    /// Start of its service's wait for the release, ns of run time.
-    pub(crate) idle_ns: i64,
-    /// Time when the cycle began to work on its inputs, ns of run time.
-    pub(crate) start_ns: i64,
-}
-
-impl From<&Command> for Stamps {
-    fn from(command: &Command) -> Self {
-        let Command { header, radar_release_ns, idle_ns, start_ns, .. } = *command;
-        Self { header, radar_release_ns, idle_ns, start_ns }
-    }
-}
-
-impl From<&Brake> for Stamps {
-    fn from(brake: &Brake) -> Self {
-        let Brake { header, radar_release_ns, idle_ns, start_ns, .. } = *brake;
-        Self { header, radar_release_ns, idle_ns, start_ns }
-    }
-}
-
-/// Number of the parts.
 pub(crate) const PARTS: usize = 7;
 
 /// The parts of one reaction time, ns, in the order of [`crate::report::Parts`].
@@ -49,7 +20,7 @@ pub(crate) struct Chain(pub(crate) [i64; PARTS]);
 
 impl Chain {
     /// The parts of the chain that ends with `command` at `actuated`.
-    pub(crate) fn of(command: &Stamps, actuated: &Actuated) -> Self {
+    pub(crate) fn of(command: &Command, actuated: &Actuated) -> Self {
         let radar = command.header.origins.radar;
         let ends = [
             // The sample is published.
@@ -79,13 +50,12 @@ impl Chain {
         self.0[4..].iter().sum()
     }
 
-    /// The reaction time.
     pub(crate) fn sum_ns(&self) -> i64 {
         self.0.iter().sum()
     }
 
     /// The waits among them that are designed, ns.
-    pub(crate) fn designed_wait_ns(&self, command: &Stamps) -> i64 {
+    pub(crate) fn designed_wait_ns(&self, command: &Command) -> i64 {
         let [radar_publish_ns, controller_queue_ns, _, _, command_wait_ns, ..] = self.0;
         let radar = command.header.origins.radar;
         let latency = (command.radar_release_ns - radar.acquisition_ns).max(0);

@@ -77,7 +77,6 @@ impl SignalChain {
         }
     }
 
-    /// Percentiles of the parts.
     pub(crate) fn hops_us(&self) -> SignalHops {
         let [announce, receive, control, actuate] =
             self.parts.each_ref().map(Latencies::percentiles_us);

@@ -25,7 +25,6 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// The surroundings of a scenario's ego before the first sample.
     pub fn new(scenario: &Scenario, numbers: &Numbers) -> Self {
         Self {
             numbers: *numbers,

@@ -18,12 +18,22 @@ pub(crate) struct Timeliness {
     /// Control periods judged so far, and those without a command in time.
     pub(crate) due: u64,
     pub(crate) missed: u64,
+    /// Longest time between two accepted commands, ns.
+    pub(crate) longest_gap_ns: i64,
 }
 
 impl Timeliness {
     /// The schedule of a control loop with this period and deadline, ns.
     pub(crate) fn new(period_ns: i64, deadline_ns: i64) -> Self {
-        Self { period_ns, deadline_ns, next_ns: 0, newest_ns: i64::MIN, due: 0, missed: 0 }
+        Self {
+            period_ns,
+            deadline_ns,
+            next_ns: 0,
+            newest_ns: i64::MIN,
+            due: 0,
+            missed: 0,
+            longest_gap_ns: 0,
+        }
     }
 
     /// A command has arrived that was computed for the release at `release_ns`.
@@ -31,7 +41,6 @@ impl Timeliness {
         self.newest_ns = self.newest_ns.max(release_ns);
     }
 
-    /// Judges the periods whose deadline is over at `now_ns`.
     pub(crate) fn judge(&mut self, now_ns: i64) {
         while self.next_ns + self.deadline_ns <= now_ns {
             self.due += 1;

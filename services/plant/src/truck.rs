@@ -88,26 +88,13 @@ impl Truck {
         for _ in 0..self.substeps {
             let (speed_mps, gear) = (self.kept.motion.speed_mps, self.kept.motion.gear);
             let grade = self.road.grade(self.kept.motion.position_m);
-            let wanted = match actuation.engine {
-                Some(engine) => engine,
-                None => Demand::for_acceleration(
-                    &self.believed,
-                    actuation.request_mps2,
-                    speed_mps,
-                    gear,
-                    grade,
-                ),
-            };
+            let demand =
+                |mps2| Demand::for_acceleration(&self.believed, mps2, speed_mps, gear, grade);
             // The emergency brake overrules engine and brakes where it asks for less acceleration.
-            let emergency = ceiling_mps2
-                .filter(|ceiling| {
-                    *ceiling < actuation.request_mps2
-                        || *ceiling < self.kept.motion.acceleration_mps2
-                })
-                .map(|ceiling| {
-                    Demand::for_acceleration(&self.believed, ceiling, speed_mps, gear, grade)
-                });
-            let wanted = emergency.unwrap_or(wanted);
+            let most_mps2 = actuation.request_mps2.max(self.kept.motion.acceleration_mps2);
+            let emergency = ceiling_mps2.filter(|ceiling| *ceiling < most_mps2).map(demand);
+            let planned = || actuation.engine.unwrap_or_else(|| demand(actuation.request_mps2));
+            let wanted = emergency.unwrap_or_else(planned);
             let wanted_n = wanted.service_brake_n.min(self.most_brake_n);
             // Its ceiling has the brakes' own growth already.
             let share = if emergency.is_some() { 1.0 } else { self.brake_share };
@@ -126,12 +113,10 @@ impl Truck {
         }
     }
 
-    /// Corrects the place on the axis, m.
     pub fn place(&mut self, position_m: f64) {
         self.kept.motion.position_m = position_m;
     }
 
-    /// Present state of motion.
     pub fn state(&self) -> State {
         State {
             position_m: self.kept.motion.position_m,
@@ -167,12 +152,10 @@ impl Truck {
         (driven_m >= 1.0).then(|| litres / driven_m * 1e5)
     }
 
-    /// Shifts so far.
     pub fn shifts(&self) -> u64 {
         self.kept.motion.shifts.into()
     }
 
-    /// Time for which the service brakes were asked for, s.
     pub fn service_brake_s(&self) -> f64 {
         self.kept.braked_s
     }

@@ -31,7 +31,6 @@ const INTEGRAL_GAIN: f64 = 1.0;
 /// The time of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
-    /// Time since the start of the run, s.
     pub(crate) time_s: f64,
     /// Time for the answer; none in simulated time.
     pub(crate) left: Option<Duration>,
@@ -53,7 +52,6 @@ pub(crate) struct UnitCar {
 }
 
 impl UnitCar {
-    /// Starts the process of the unit.
     pub(crate) fn open(scenario: &Scenario, unit: &Path) -> Result<Self, RuntimeError> {
         let plant = &scenario.plant;
         let period_s = 1e-3 * f64::from(plant.period_ms.value());
@@ -85,13 +83,11 @@ impl UnitCar {
         })
     }
 
-    /// Goes on from a motion that another process kept.
     pub(crate) fn restore(&mut self, own: Vehicle) {
         self.own = own;
         self.program.forget();
     }
 
-    /// Corrects the place on the axis, m.
     pub(crate) fn place(&mut self, position_m: f64) {
         let moved_m = position_m - self.own.state().position_m;
         self.origin_m = self.origin_m.map(|origin_m| origin_m + moved_m);

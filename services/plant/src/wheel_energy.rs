@@ -22,11 +22,9 @@ use serde::{Deserialize, Serialize};
 use crate::longitudinal::State;
 use crate::numbers::Numbers;
 
-/// Acceleration of gravity, m/s².
 const GRAVITY_MPS2: f64 = 9.81;
 /// Way up to which a consumption is not stated, m. Chosen: on a shorter one a single start decides the figure.
 const LEAST_WAY_M: f64 = 100.0;
-/// Joules in a kilowatt-hour.
 const KWH_J: f64 = 3.6e6;
 
 /// The energy so far.
@@ -65,7 +63,6 @@ impl WheelEnergy {
         self.way_m += way_m;
     }
 
-    /// Consumption, kWh/100 km.
     pub(crate) fn kwh_per_100km(&self) -> Option<f64> {
         (self.way_m > LEAST_WAY_M).then(|| self.energy_j / KWH_J / (self.way_m / 1e5))
     }

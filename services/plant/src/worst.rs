@@ -36,7 +36,7 @@ impl Worst {
             radar_sequence: header.origins.radar.sequence,
             command_sequence: header.sequence,
             reaction_time_us,
-            designed_wait_us: us(parts.designed_wait_ns(&command.into())),
+            designed_wait_us: us(parts.designed_wait_ns(command)),
             hops_us: parts.0.map(us).into(),
             deadline_missed: header.publish_ns - header.acquisition_ns > self.deadline_ns,
             odometry_age_us: age(header.origins.odometry),

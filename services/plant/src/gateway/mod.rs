@@ -26,7 +26,7 @@
 //!
 //! let mut gateway = Gateway::new(&Plant::default());
 //! let (period_ns, step_ns) = (10_000_000, 100_000_000);
-//! gateway.accept(0, 0, step_ns, &[0.0, -4.0, -1.0], None).expect("a valid command");
+//! assert!(gateway.accept(0, 0, step_ns, &[0.0, -4.0, -1.0], None), "a valid command");
 //! let sources: Vec<Source> = (0..200).map(|k| gateway.actuate(k * period_ns).source).collect();
 //! assert_eq!(sources[9], Source::Command);
 //! assert_eq!(sources[10], Source::Plan);
@@ -41,19 +41,6 @@ use messages::PLAN_LEN;
 use scenario::plant::{Fallback, Gateway as Bounds, Plant};
 use serde::{Deserialize, Serialize};
 use truck_model::Demand;
-
-/// Reason why a command was not accepted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rejection {
-    /// It has no request, or its control step has no duration.
-    Empty,
-    /// One of its requests, or its torque, is not a finite number.
-    NotFinite,
-    /// It is not newer than the one that is being followed.
-    NotNewer,
-    /// It starts more than one control step from now.
-    FromTheFuture,
-}
 
 /// Source of the request that acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -99,7 +86,6 @@ pub(crate) struct Kept {
 }
 
 impl Gateway {
-    /// A gateway that has received nothing yet.
     pub fn new(plant: &Plant) -> Self {
         Self {
             bounds: plant.gateway,
@@ -123,8 +109,9 @@ impl Gateway {
     /// Takes a command: `plan_mps2[k]` is meant for `start_ns + k * step_ns` on. A request to the engine acts in the
     /// plan's first step.
     ///
-    /// # Errors
-    /// When the command cannot be used. The previous command stays in force.
+    /// False if the command cannot be used: it has no request, a step without duration or a number that is not finite,
+    /// is not newer than the one that is being followed, or starts more than one step from now. The previous command
+    /// stays in force then.
     pub fn accept(
         &mut self,
         now_ns: u64,
@@ -132,21 +119,17 @@ impl Gateway {
         step_ns: u64,
         plan_mps2: &[f64],
         engine: Option<Demand>,
-    ) -> Result<(), Rejection> {
-        let plan = Plan::new(start_ns, step_ns, plan_mps2)?;
-        if engine.is_some_and(|engine| {
-            !engine.engine_torque_nm.is_finite() || !engine.service_brake_n.is_finite()
-        }) {
-            return Err(Rejection::NotFinite);
+    ) -> bool {
+        let Some(plan) = Plan::new(start_ns, step_ns, plan_mps2) else { return false };
+        let is_finite = engine.is_none_or(|engine| {
+            engine.engine_torque_nm.is_finite() && engine.service_brake_n.is_finite()
+        });
+        let is_newer = self.plan.as_ref().is_none_or(|last| start_ns > last.start_ns);
+        let is_usable = is_finite && is_newer && start_ns <= now_ns.saturating_add(step_ns);
+        if is_usable {
+            (self.plan, self.engine) = (Some(plan), engine);
         }
-        if start_ns > now_ns.saturating_add(step_ns) {
-            return Err(Rejection::FromTheFuture);
-        }
-        if self.plan.as_ref().is_some_and(|last| start_ns <= last.start_ns) {
-            return Err(Rejection::NotNewer);
-        }
-        (self.plan, self.engine) = (Some(plan), engine);
-        Ok(())
+        is_usable
     }
 
     /// Notes the torque that the engine gives. The first torque request after a time without requests starts from it.
@@ -225,17 +208,15 @@ struct Plan {
 
 impl Plan {
     /// A plan whose request `k` is meant for `start_ns + k * step_ns` on. A longer one is cut.
-    fn new(start_ns: u64, step_ns: u64, plan_mps2: &[f64]) -> Result<Self, Rejection> {
-        if plan_mps2.is_empty() || step_ns == 0 {
-            return Err(Rejection::Empty);
-        }
-        if plan_mps2.iter().any(|request| !request.is_finite()) {
-            return Err(Rejection::NotFinite);
+    fn new(start_ns: u64, step_ns: u64, plan_mps2: &[f64]) -> Option<Self> {
+        let is_finite = plan_mps2.iter().all(|request| request.is_finite());
+        if plan_mps2.is_empty() || step_ns == 0 || !is_finite {
+            return None;
         }
         let len = plan_mps2.len().min(PLAN_LEN);
         let mut requests_mps2 = [0.0; PLAN_LEN];
         requests_mps2[..len].copy_from_slice(&plan_mps2[..len]);
-        Ok(Self { requests_mps2, len, start_ns, step_ns })
+        Some(Self { requests_mps2, len, start_ns, step_ns })
     }
 
     /// End of the first step: a new command is due.

@@ -214,7 +214,6 @@ impl Lateral {
         (self.noise * first, self.noise * second)
     }
 
-    /// Writes what the sensors measure.
     pub fn measure(&self, message: &mut LateralMotion) {
         let State { lateral_acceleration_mps2, steering_rad, sensed_radps, .. } = self.state;
         message.yaw_rate_radps = self.sensor.measured(sensed_radps);
@@ -233,7 +232,6 @@ impl Lateral {
         self.pose(position_m).placed(&self.start)
     }
 
-    /// Writes the truth at a place on the axis.
     pub fn write(&self, ego: &longitudinal::State, message: &mut EgoPose) {
         let placed = self.placed(ego.position_m);
         let State { slip, lateral_m, lateral_acceleration_mps2, .. } = self.state;

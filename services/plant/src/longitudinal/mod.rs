@@ -34,7 +34,6 @@ use serde::{Deserialize, Serialize};
 
 /// Speed below which the engine's power limits no further, m/s: keeps the limit finite at a stand. Chosen.
 const TRACTION_FROM_MPS: f64 = 1.0;
-/// Acceleration of gravity, m/s².
 const GRAVITY_MPS2: f64 = 9.81;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -72,7 +71,6 @@ enum Motion {
 }
 
 impl Vehicle {
-    /// The vehicle at its start.
     pub fn new(plant: &Plant) -> Self {
         let tau_s = plant.actuator_time_constant_s.value();
         let (period_ms, step_ms) = (plant.period_ms.value(), plant.integration_step_ms.value());
@@ -172,7 +170,6 @@ impl Vehicle {
         self.take_slope(road);
     }
 
-    /// Corrects the place on the axis, m.
     pub fn place(&mut self, position_m: f64) {
         if let Motion::PaperEuler { base, .. } = &mut self.motion {
             base.position_m += position_m - self.state.position_m;

@@ -75,7 +75,6 @@ struct Sample {
 }
 
 impl Referee {
-    /// A referee at the start of a run.
     pub fn new(scenario: &Scenario, numbers: &Numbers) -> Self {
         Self {
             // A scenario's check has read the heights already.
@@ -147,19 +146,8 @@ impl Referee {
         self.violation
     }
 
-    /// The figures so far.
     pub fn figures(&self) -> &ControlFigures {
         &self.figures
-    }
-
-    /// Stop lines crossed on red.
-    pub fn red_lights(&self) -> u32 {
-        self.stop_lines.red_lights
-    }
-
-    /// The first violation of the run.
-    pub fn violation(&self) -> Option<Violation> {
-        self.violation
     }
 
     /// End of the run by the first violation.

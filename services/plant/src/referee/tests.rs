@@ -53,20 +53,20 @@ fn crossing_and_switch_are_interpolated() {
         |figure: Option<f64>, value: f64| (figure.expect("it applies") - value).abs() < 1e-9;
     assert!(close(figures.stop_line_crossing_s, 65.05 / 15.0));
     assert!(close(figures.past_stop_line_at_switch_m, 15.0 * 5.004 - 65.05));
-    assert_eq!(referee.red_lights(), 0);
+    assert_eq!(referee.stop_lines.red_lights, 0);
 }
 
 #[test]
 fn a_red_light_is_judged_at_the_instant_of_crossing() {
     // The line is crossed at 5.0033 s, between the samples at 5.00 s and 5.01 s.
     let line = 15.0 * 5.0 + 0.05;
-    assert_eq!(pass(15.0, line, Phase::Green, 5.004).violation(), None);
-    let violation = pass(15.0, line, Phase::Green, 5.003).violation();
+    assert_eq!(pass(15.0, line, Phase::Green, 5.004).violation, None);
+    let violation = pass(15.0, line, Phase::Green, 5.003).violation;
     assert!(matches!(violation, Some(Violation::RedLight { time_s, id: 1 })
             if (time_s - line / 15.0).abs() < 1e-9));
-    assert_eq!(pass(15.0, line, Phase::Red, 5.003).violation(), None);
-    assert!(pass(15.0, line, Phase::Red, 5.004).violation().is_some());
-    assert_eq!(pass(15.0, line, Phase::Yellow, 6.0).violation(), None);
+    assert_eq!(pass(15.0, line, Phase::Red, 5.003).violation, None);
+    assert!(pass(15.0, line, Phase::Red, 5.004).violation.is_some());
+    assert_eq!(pass(15.0, line, Phase::Yellow, 6.0).violation, None);
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn a_collision_is_reported_once() {
         Some(Violation::Collision { time_s: 0.01, closing_mps: 5.0 })
     );
     assert_eq!(referee.observe(2 * PERIOD_NS, &ego, Some(&ahead(-0.09)), [], None), None);
-    assert!(matches!(referee.violation(), Some(Violation::Collision { .. })));
+    assert!(matches!(referee.violation, Some(Violation::Collision { .. })));
     assert_eq!(referee.figures().min_ttc_s, Some(0.0));
     assert_eq!(referee.figures().impact_speed_mps, Some(5.0));
 }
@@ -203,7 +203,7 @@ fn more_signals_than_slots_drop_the_ones_behind() {
         let violation = referee.observe(now_ns, &state(position, 10.0, 0.0), None, [ahead], None);
         assert_eq!(violation.is_some(), k == 1);
     }
-    assert_eq!(referee.red_lights(), 99);
+    assert_eq!(referee.stop_lines.red_lights, 99);
 }
 
 proptest! {

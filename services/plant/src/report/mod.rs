@@ -12,9 +12,7 @@ use std::collections::BTreeMap;
 /// Figures of the drive, the gateway and the cause-effect chains.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlantReport {
-    /// End of the run.
     pub outcome: Outcome,
-    /// Run time reached, s.
     pub duration_s: f64,
     pub control: ControlFigures,
     /// The plant's way on the degradation ladder.

@@ -3,7 +3,6 @@
 use messages::{Command, Header, Origins, PLAN_LEN};
 use runtime::{Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
-use serde::{Deserialize, Serialize};
 use truck_model::Demand;
 
 use crate::chains::{CONTROL_PATH, Chains};
@@ -20,18 +19,10 @@ pub(super) struct Control {
     pub(super) gateway: Gateway,
     pub(super) chains: Chains,
     pub(super) signal_chain: SignalChain,
-    pub(super) counted: Counted,
+    pub(super) timeliness: Timeliness,
     active: Option<Command>,
     /// Run time at which the last command was accepted, ns.
     accepted_ns: Option<i64>,
-}
-
-/// Counts that go on over all processes of the plant.
-#[derive(Clone, Copy, Serialize, Deserialize)]
-pub(super) struct Counted {
-    pub(super) timeliness: Timeliness,
-    /// Longest time between two accepted commands, ns.
-    pub(super) longest_gap_ns: i64,
 }
 
 impl Control {
@@ -44,10 +35,7 @@ impl Control {
             gateway: Gateway::new(&scenario.plant),
             chains: Chains::open(deadline_ns, CONTROL_PATH, runtime.figures())?,
             signal_chain: SignalChain::open(runtime.figures())?,
-            counted: Counted {
-                timeliness: Timeliness::new(period_ns, deadline_ns),
-                longest_gap_ns: 0,
-            },
+            timeliness: Timeliness::new(period_ns, deadline_ns),
             active: None,
             accepted_ns: None,
         })
@@ -67,7 +55,7 @@ impl Control {
         if let Some(arrival) = self.delivery.arrived(now_ns) {
             self.accept(&arrival, release, now_ns);
         }
-        self.counted.timeliness.judge(release.scheduled_ns);
+        self.timeliness.judge(release.scheduled_ns);
         if let Some(active) = &self.active {
             let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
             self.chains.actuated(active, &Actuated { scheduled_ns, start_ns, now_ns });
@@ -82,7 +70,7 @@ impl Control {
         let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
         let plan_len = if is_repeated { 0 } else { plan_len };
         if plan_len > 0 {
-            self.counted.timeliness.arrived(released_ns);
+            self.timeliness.arrived(released_ns);
         }
         // The plan is moved by the delay with the rest of the command.
         let start_ns = released_ns + delay_ns;
@@ -98,9 +86,10 @@ impl Control {
             &command.plan_mps2[..plan_len],
             engine,
         );
-        if accepted.is_ok() {
+        if accepted {
             if let Some(last_ns) = self.accepted_ns.replace(now_ns) {
-                self.counted.longest_gap_ns = self.counted.longest_gap_ns.max(now_ns - last_ns);
+                let longest_ns = &mut self.timeliness.longest_gap_ns;
+                *longest_ns = (*longest_ns).max(now_ns - last_ns);
             }
             self.active = Some(command);
         }

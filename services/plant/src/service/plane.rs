@@ -45,7 +45,6 @@ impl Plane {
         }))
     }
 
-    /// Sends what the sensors measure, and the truth.
     pub(super) fn publish(&mut self, header: Header, ego: &State) -> Result<(), RuntimeError> {
         let lateral = &self.lateral;
         self.sensors.send_with(|message| {
@@ -59,7 +58,6 @@ impl Plane {
         Ok(())
     }
 
-    /// Takes the newest bodies of the others.
     pub(super) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
         if let Some(more) = &mut self.more {
             runtime.update(more)?;

@@ -7,12 +7,12 @@ use runtime::{Checkpoint, Figures, Group, Runtime, RuntimeError};
 use serde::{Deserialize, Serialize};
 
 use super::Plant;
-use super::control::Counted;
 use crate::brake::{self, Braking};
 use crate::chains::{BRAKE_PATH, CONTROL_PATH, Chains};
 use crate::referee::Referee;
 use crate::report::{ControlFigures, Hops, Outcome, PlantReport};
 use crate::signal_chain::SignalChain;
+use crate::timeliness::Timeliness;
 use crate::truck::Truck;
 use crate::{ego, gateway, lateral};
 
@@ -27,7 +27,7 @@ pub(super) struct Snapshot<R = Referee, L = LevelLog> {
     request_mps2: f64,
     braking: Option<brake::Snapshot>,
     plane: Option<lateral::State>,
-    counted: Counted,
+    timeliness: Timeliness,
     last_radar: Option<Origin>,
     undelivered: u64,
     levels: L,
@@ -51,7 +51,7 @@ pub fn last_known(group: &Group) -> Option<PlantReport> {
         control: kept.referee.figures().clone(),
         aebs: kept.braking.map(|braking| braking.figures),
         undelivered_commands: kept.undelivered,
-        ..counted(times().unwrap_or_default(), &kept.counted, &kept.levels)
+        ..counted(times().unwrap_or_default(), &kept.timeliness, &kept.levels)
     })
 }
 
@@ -75,13 +75,13 @@ fn times(control: &Chains, brake: Option<&Chains>, signals: &SignalChain) -> Pla
     }
 }
 
-fn counted(report: PlantReport, counted: &Counted, levels: &LevelLog) -> PlantReport {
+fn counted(report: PlantReport, timeliness: &Timeliness, levels: &LevelLog) -> PlantReport {
     PlantReport {
         rungs: levels.report(),
-        max_command_gap_us: (counted.longest_gap_ns > 0)
-            .then_some(counted.longest_gap_ns as f64 / 1e3),
-        commands_due: counted.timeliness.due,
-        commands_missed: counted.timeliness.missed,
+        max_command_gap_us: (timeliness.longest_gap_ns > 0)
+            .then_some(timeliness.longest_gap_ns as f64 / 1e3),
+        commands_due: timeliness.due,
+        commands_missed: timeliness.missed,
         ..report
     }
 }
@@ -103,7 +103,7 @@ impl Plant {
         }
         self.levels = kept.levels;
         self.time_s = kept.time_s;
-        self.control.counted = kept.counted;
+        self.control.timeliness = kept.timeliness;
         self.control.chains.last_radar = kept.last_radar;
         self.control.delivery.undelivered = kept.undelivered;
     }
@@ -119,7 +119,7 @@ impl Plant {
             request_mps2: self.request_mps2,
             braking: self.braking.as_ref().map(Braking::snapshot),
             plane: self.plane.as_ref().map(|plane| plane.lateral.state),
-            counted: self.control.counted,
+            timeliness: self.control.timeliness,
             last_radar: self.control.chains.last_radar,
             undelivered: self.control.delivery.undelivered,
             levels: &self.levels,
@@ -147,7 +147,7 @@ impl Plant {
             control,
             aebs: self.braking.as_ref().map(|braking| braking.account.figures.clone()),
             undelivered_commands: self.control.delivery.undelivered,
-            ..counted(times, &self.control.counted, &self.levels)
+            ..counted(times, &self.control.timeliness, &self.levels)
         }
     }
 }

@@ -54,7 +54,6 @@ impl World {
         runtime.update(&mut self.signals)
     }
 
-    /// The newest step of the others.
     pub(super) fn vehicles(&self) -> Option<&AllVehicles> {
         self.has_newest.then_some(&self.newest)
     }
@@ -68,7 +67,6 @@ impl World {
         self.surroundings.of(ego, release.time_s, vehicles, self.signals.newest())
     }
 
-    /// Verdict of the referee on the ego at a release.
     pub(super) fn judge(
         &mut self,
         release: &Release,
