@@ -15,7 +15,6 @@ const WIDTH_DM: u8 = 19;
 const CAR: u8 = 5;
 const TRUCK: u8 = 8;
 
-/// The sender of the vehicle's CAMs.
 #[derive(Clone, Debug)]
 pub struct Awareness {
     station_id: u32,
@@ -27,7 +26,6 @@ pub struct Awareness {
 }
 
 impl Awareness {
-    /// A sender before its first frame.
     pub fn of(scenario: &Scenario) -> Self {
         let (plant, origin) = (&scenario.plant, &scenario.v2x.origin);
         Self {
@@ -40,7 +38,6 @@ impl Awareness {
         }
     }
 
-    /// The frame that is due now, if one is.
     pub fn due(&mut self, odometry: &Odometry, moment: &Moment) -> Option<Vec<u8>> {
         let (position_m, speed_mps) = odometry.moved_to(moment.now_ns as f64 / 1e9);
         let motion = triggers::Motion { position_m, speed_mps, heading_deg: self.heading_deg };

@@ -41,7 +41,6 @@ impl Moment {
     }
 }
 
-/// Error of the vehicle's own clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClockError {
     /// Lead at the start, ms.

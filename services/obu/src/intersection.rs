@@ -8,7 +8,6 @@ use crate::timing::{Timing, every_group};
 use crate::verdict::Verdict;
 use its::spatem::IntersectionState;
 
-/// Most senders of one intersection.
 const MOST_SENDERS: usize = 4;
 /// Distance from the assumed line to the unit, m: half of a large intersection. A stop too early is safe.
 const LINE_BEFORE_UNIT_M: f64 = 30.0;
@@ -20,7 +19,6 @@ const NO_GROUP: u8 = 0;
 pub struct Intersection {
     numbers: Numbers,
     pub id: u16,
-    /// Frames about it.
     frames: u64,
     first_ns: i64,
     /// Instant of its last frame, ns of run time.
@@ -50,7 +48,6 @@ struct Sender {
 }
 
 impl Intersection {
-    /// An intersection before its first frame.
     pub fn new(id: u16, now_ns: i64, numbers: Numbers) -> Self {
         Self { numbers, id, first_ns: now_ns, heard_ns: now_ns, ..Self::default() }
     }
@@ -141,7 +138,6 @@ impl Intersection {
         if is_whole { Verdict::Accepted } else { Verdict::MissingLane }
     }
 
-    /// Takes a map.
     pub fn take_map(&mut self, told: Told, now_ns: i64) -> Verdict {
         if told.lines.is_empty() {
             self.elsewhere += 1;
@@ -167,7 +163,6 @@ impl Intersection {
         timings.iter().find(|timing| timing.signal_group == signal_group)
     }
 
-    /// Notes the instant of the accepted timing.
     fn renew(&mut self, now_ns: i64) {
         let made_ns = self.accepted(now_ns).map(|sender| sender.made_ns);
         self.certain_ns = self.certain_ns.max(made_ns);

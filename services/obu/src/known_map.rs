@@ -10,7 +10,6 @@ use its::mapem::IntersectionGeometry;
 /// Silence of a map's sender after which another sender can replace the map, ns. Chosen: four lost maps in a row are no
 /// chance.
 const MAP_SILENT_NS: i64 = 5_000_000_000;
-/// Most lines of former maps.
 const MOST_FORMER: usize = 16;
 
 /// A map as a sender tells it, with its lines on the vehicle's path.
@@ -26,14 +25,11 @@ pub struct Told {
 pub struct KnownMap {
     pub(crate) accepted: Told,
     heard_ns: i64,
-    /// Lines of former maps.
     former: Vec<StopLine>,
-    /// A map that differs from the accepted one.
     candidate: Option<Told>,
 }
 
 impl KnownMap {
-    /// The first map of an intersection.
     pub fn new(accepted: Told, now_ns: i64) -> Self {
         Self { accepted, heard_ns: now_ns, former: Vec::new(), candidate: None }
     }

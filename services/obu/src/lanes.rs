@@ -28,17 +28,12 @@ pub fn road_plane(origin: &Origin) -> Plane {
 /// The vehicle's path on the Earth.
 #[derive(Clone, Debug)]
 pub struct Path {
-    plane: Plane,
+    pub plane: Plane,
     /// Its way in the plane; a straight line along the plane's axis without one.
-    axis: Option<Axis>,
+    pub axis: Option<Axis>,
 }
 
 impl Path {
-    /// A path in the plane around its beginning.
-    pub fn new(plane: Plane, axis: Option<Axis>) -> Self {
-        Self { plane, axis }
-    }
-
     /// Distance of a position along the path and to its left, m.
     pub fn point(&self, position: Position) -> (f64, f64) {
         let (x_m, y_m) = self.plane.point(position);
@@ -60,21 +55,17 @@ pub fn stop_lines(
     path: &Path,
     numbers: &Numbers,
 ) -> Vec<StopLine> {
-    let reference = path.plane.point(geometry.reference);
-    let half_m = geometry.lane_width_cm.map_or(HALF_WIDTH_M, |cm| f64::from(cm) / 200.0);
-    let lines = geometry.lanes.iter().filter_map(|lane| {
-        stop_line((lane, geometry), path, reference, (half_m, numbers.same_way_cos))
-    });
-    let mut lines: Vec<StopLine> = lines.collect();
+    let line = |lane| stop_line(lane, geometry, path, numbers.same_way_cos);
+    let mut lines: Vec<StopLine> = geometry.lanes.iter().filter_map(line).collect();
     lines.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
     lines
 }
 
 fn stop_line(
-    (lane, geometry): (&Lane, &IntersectionGeometry),
+    lane: &Lane,
+    geometry: &IntersectionGeometry,
     path: &Path,
-    reference: (f64, f64),
-    (half_m, same_way_cos): (f64, f64),
+    same_way_cos: f64,
 ) -> Option<StopLine> {
     let Approach::Ingress(_) = lane.approach else { return None };
     let metres = |(east, north): (i16, i16)| {
@@ -82,6 +73,8 @@ fn stop_line(
     };
     let [first, second, ..] = lane.nodes[..] else { return None };
     let ((to_line_m, to_left_m), (away_x, away_y)) = (metres(first), metres(second));
+    let reference = path.plane.point(geometry.reference);
+    let half_m = geometry.lane_width_cm.map_or(HALF_WIDTH_M, |cm| f64::from(cm) / 200.0);
     let placed = |(x_m, y_m): (f64, f64)| path.place(reference.0 + x_m, reference.1 + y_m);
     let ((along_m, left_m), (cosine, sine)) = placed((to_line_m, to_left_m));
     let away_m = libm::hypot(away_x, away_y);
@@ -95,12 +88,9 @@ fn stop_line(
         let exit = exit.and_then(|exit| exit.nodes.first());
         exit.is_some_and(|node| placed(metres(*node)).0.1.abs() <= half_m)
     };
+    let is_straight =
+        |connection: &&Connection| connection.maneuver.unwrap_or(lane.maneuvers) & STRAIGHT != 0;
     let onward = path.axis.as_ref().and_then(|_| lane.connections.iter().find(leads_on));
-    let straight = onward.or_else(|| {
-        lane.connections.iter().find(|connection| {
-            let maneuvers = connection.maneuver.unwrap_or(lane.maneuvers);
-            maneuvers & STRAIGHT != 0
-        })
-    })?;
+    let straight = onward.or_else(|| lane.connections.iter().find(is_straight))?;
     Some(StopLine { signal_group: straight.signal_group?, position_m: along_m })
 }

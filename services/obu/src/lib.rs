@@ -32,7 +32,6 @@ pub mod numbers;
 pub mod receiver;
 pub mod report;
 mod service;
-pub mod signers;
 pub mod timing;
 pub mod verdict;
 

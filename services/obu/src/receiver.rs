@@ -14,7 +14,7 @@ use crate::intersection::Intersection;
 use crate::known_map::Told;
 use crate::lanes::{Path, StopLine, stop_lines};
 use crate::numbers::Numbers;
-use crate::signers::Signers;
+use crate::report::Signers;
 use crate::verdict::{Verdict, Verdicts};
 use its::Message;
 use its::geodesy::Plane;
@@ -33,7 +33,6 @@ const REMEMBERED_FRAMES: usize = 512;
 const FORGOTTEN_NS: i64 = 30_000_000_000;
 /// Greatest age of the first map of an intersection, ms. Chosen: a map changes with works on the road, not within minutes.
 const OLDEST_MAP_MS: i64 = 600_000;
-/// Most intersections.
 const MOST_INTERSECTIONS: usize = 64;
 
 /// The intersections that the unit has, and its verdicts on the frames.
@@ -46,7 +45,6 @@ pub struct Receiver {
     pub(crate) path: Path,
     intersections: Vec<Intersection>,
     heard: VecDeque<u64>,
-    /// Verdicts on all frames so far.
     pub verdicts: Verdicts,
     /// Signed frames are not ignored.
     pub(crate) uses_signed: bool,
@@ -71,7 +69,7 @@ impl Receiver {
             numbers: Numbers::DEFAULT,
             station_id,
             max_age_ms,
-            path: Path::new(plane, None),
+            path: Path { plane, axis: None },
             intersections: Vec::new(),
             heard: VecDeque::with_capacity(REMEMBERED_FRAMES),
             verdicts: Verdicts::default(),
@@ -204,14 +202,13 @@ impl Receiver {
     /// The entry of an intersection; `None` if the room is full.
     fn intersection(&mut self, id: u16, now_ns: i64) -> Option<&mut Intersection> {
         let found = self.intersections.iter().position(|known| known.id == id);
-        let index = match found {
-            Some(index) => index,
-            None if self.intersections.len() < MOST_INTERSECTIONS => {
-                self.intersections.push(Intersection::new(id, now_ns, self.numbers));
-                self.intersections.len() - 1
-            }
-            None => return None,
-        };
+        if found.is_none() && self.intersections.len() == MOST_INTERSECTIONS {
+            return None;
+        }
+        let index = found.unwrap_or_else(|| {
+            self.intersections.push(Intersection::new(id, now_ns, self.numbers));
+            self.intersections.len() - 1
+        });
         Some(&mut self.intersections[index])
     }
 }

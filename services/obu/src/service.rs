@@ -115,9 +115,9 @@ impl Unit {
         let period_ns = i64::from(scenario.v2x.period_ms.value()) * 1_000_000;
         let net = scenario.traffic.route().and_then(|_| scenario.road.plan());
         let axis = net.map(|plan| plan.axis().clone());
-        let station_id = keys.station_id.value();
-        let mut receiver = Receiver::new(station_id, keys.max_age_ms.value().into(), plane);
-        receiver.path = Path::new(plane, axis);
+        let max_age_ms = keys.max_age_ms.value().into();
+        let mut receiver = Receiver::new(keys.station_id.value(), max_age_ms, plane);
+        receiver.path = Path { plane, axis };
         receiver.verdicts = Verdicts::open(runtime.figures())?;
         receiver.uses_signed = keys.signed == SignedFrames::Use;
         Ok(Self {
@@ -158,9 +158,10 @@ impl Unit {
             self.publish(&release, ego_m)?;
         }
         self.send_cam(&release, &moment)?;
-        let state =
-            if self.receives(now_ns) { ServiceState::Running } else { ServiceState::Degraded };
-        runtime.end_cycle(state)?;
+        runtime.end_cycle(match self.receives(now_ns) {
+            true => ServiceState::Running,
+            false => ServiceState::Degraded,
+        })?;
         Ok(Cycle::Next)
     }
 

@@ -24,7 +24,6 @@ pub struct Announced {
 }
 
 impl Announced {
-    /// True for a green whose end is open.
     fn is_open_green(&self) -> bool {
         self.state == PhaseState::ProtectedMovementAllowed && self.ends_s[1].is_infinite()
     }
@@ -88,7 +87,6 @@ impl Timing {
         true
     }
 
-    /// Writes the timing into a message.
     pub fn write(&self, intersection_id: u16, signal: &mut Signal) {
         signal.intersection_id = intersection_id.into();
         signal.signal_group = self.signal_group.into();
