@@ -120,7 +120,7 @@ impl RoadsideUnit {
         let frames = Frames::new(scenario);
         let (begun, start_ns) = (Instant::now(), wall_clock_ns());
         // Report signals that cannot be encoded at once.
-        frames.at(0, start_ns, None).map_err(not_encoded)?;
+        frames.at(0, start_ns, None, None).map_err(not_encoded)?;
         let carrier = Carrier::open(address, Role::Roadside { start_ns })
             .map_err(|why| UsageError::at("radio", why, "an address that can be used"))?;
         Ok(Self {
@@ -152,7 +152,7 @@ impl RoadsideUnit {
                 std::thread::sleep(left.min(SLICE));
             }
             let time_ns = u64::try_from(due.as_nanos()).unwrap_or(u64::MAX);
-            for frame in self.frames.at(time_ns, self.start_ns, None).map_err(not_encoded)? {
+            for frame in self.frames.at(time_ns, self.start_ns, None, None).map_err(not_encoded)? {
                 // The carrier counts unsent frames.
                 if self.carrier.send(&frame.bytes).is_ok() {
                     *self.sent.entry(frame.kind).or_default() += 1;

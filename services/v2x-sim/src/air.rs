@@ -27,7 +27,6 @@ use std::collections::VecDeque;
 
 /// Earlier frames that can be replayed.
 const HISTORY: usize = 4096;
-/// Stream of the air's random numbers.
 const STREAM: u64 = 0x5a17_c0de_0a1b_0002;
 
 #[derive(Clone, Debug)]
@@ -50,20 +49,7 @@ pub struct Arrival {
     pub bytes: Vec<u8>,
 }
 
-/// The random draws of one frame.
-struct Draws {
-    state: f64,
-    loss: f64,
-    jitter: f64,
-    reorder: f64,
-    duplicate: f64,
-    truncate: (f64, f64),
-    flip: (f64, f64),
-    replay: f64,
-}
-
 impl Air {
-    /// The air of a scenario.
     pub fn new(keys: &Keys, seed: u64) -> Self {
         Self {
             keys: *keys,
@@ -75,8 +61,9 @@ impl Air {
         }
     }
 
-    pub fn send(&mut self, now_ns: u64, bytes: Vec<u8>) {
-        let draws = self.draw();
+    pub fn send(&mut self, now_ns: u64, mut bytes: Vec<u8>) {
+        let [turn, loss, jitter, reorder, duplicate, truncate, length, flip, place, replay] =
+            std::array::from_fn(|_| random::unit(self.generator.next_u64()));
         if !self.is_imperfect(now_ns) {
             self.deliver(now_ns, now_ns, bytes);
             return;
@@ -84,34 +71,33 @@ impl Air {
         let keys = self.keys;
         let turns =
             if self.is_bad { keys.burst_end_probability } else { keys.burst_begin_probability };
-        self.is_bad ^= draws.state < turns.value();
+        self.is_bad ^= turn < turns.value();
         let burst = if self.is_bad { keys.burst_loss_probability.value() } else { 0.0 };
         // A frame arrives only if it survives both losses.
         let lost = 1.0 - (1.0 - keys.loss_probability.value()) * (1.0 - burst);
-        let jitter_ns = (draws.jitter * keys.jitter_ms.nanoseconds() as f64) as u64;
+        let jitter_ns = (jitter * keys.jitter_ms.nanoseconds() as f64) as u64;
         let mut arrives_ns = now_ns + keys.delay_ms.nanoseconds() + jitter_ns;
-        if draws.reorder < keys.reorder_probability.value() {
+        if reorder < keys.reorder_probability.value() {
             arrives_ns += keys.reorder_ms.nanoseconds();
         }
-        if draws.replay < keys.replay_probability.value()
+        if replay < keys.replay_probability.value()
             && let Some(old) =
                 self.sent_before(now_ns.saturating_sub(keys.replay_age_s.nanoseconds()))
         {
             self.deliver(now_ns, arrives_ns, old);
         }
         self.remember(now_ns, &bytes);
-        if draws.loss < lost {
+        if loss < lost {
             return;
         }
-        if draws.duplicate < keys.duplicate_probability.value() {
+        if duplicate < keys.duplicate_probability.value() {
             self.deliver(now_ns, arrives_ns, bytes.clone());
         }
-        let mut bytes = bytes;
-        if draws.truncate.0 < keys.truncate_probability.value() {
-            bytes.truncate((draws.truncate.1 * bytes.len() as f64) as usize);
+        if truncate < keys.truncate_probability.value() {
+            bytes.truncate((length * bytes.len() as f64) as usize);
         }
-        if draws.flip.0 < keys.bit_flip_probability.value() && !bytes.is_empty() {
-            let bit = (draws.flip.1 * (8 * bytes.len()) as f64) as usize;
+        if flip < keys.bit_flip_probability.value() && !bytes.is_empty() {
+            let bit = (place * (8 * bytes.len()) as f64) as usize;
             bytes[bit / 8] ^= 0x80 >> (bit % 8);
         }
         self.deliver(now_ns, arrives_ns, bytes);
@@ -131,26 +117,11 @@ impl Air {
         (from_ns..end_ns).contains(&now_ns)
     }
 
-    fn draw(&mut self) -> Draws {
-        let mut next = || random::unit(self.generator.next_u64());
-        Draws {
-            state: next(),
-            loss: next(),
-            jitter: next(),
-            reorder: next(),
-            duplicate: next(),
-            truncate: (next(), next()),
-            flip: (next(), next()),
-            replay: next(),
-        }
-    }
-
     fn deliver(&mut self, sent_ns: u64, received_ns: u64, bytes: Vec<u8>) {
         self.sent += 1;
         self.on_the_way.push((self.sent, Arrival { sent_ns, received_ns, bytes }));
     }
 
-    /// Keeps a frame for its replay.
     fn remember(&mut self, now_ns: u64, bytes: &[u8]) {
         if self.keys.replay_probability.value() > 0.0 {
             if self.history.len() == HISTORY {

@@ -15,7 +15,6 @@ use crate::numbers::NUMBERS;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ahead {
     pub first_cell_m: f64,
-    /// Number of known cells.
     pub count: usize,
 }
 
@@ -97,14 +96,9 @@ impl CellMap {
         self.cell_m
     }
 
-    /// The number of the cell in which a place of the road lies.
-    pub(crate) fn cell_of(&self, place_m: f64) -> f64 {
-        (place_m / self.cell_m).floor()
-    }
-
     /// The road from the ego's cell on; writes the means of the known cells.
     pub fn ahead(&self, ego_m: f64, means: &mut [f64]) -> Ahead {
-        let first = self.cell_of(ego_m);
+        let first = (ego_m / self.cell_m).floor();
         let mut count = 0;
         for (index, mean) in means.iter_mut().enumerate() {
             let cell = first + index as f64;

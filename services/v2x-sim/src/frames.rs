@@ -10,7 +10,7 @@
 mod along;
 
 use crate::numbers::NUMBERS;
-use crate::program::Program;
+use crate::program::{Interval, Program};
 use crate::roadside_unit::CERTAIN;
 use its::geodesy::{Plane, Position};
 use its::geonetworking::{Source, StationType};
@@ -35,7 +35,6 @@ pub const FIRST_CONTRADICTING_STATION: u32 = 200_000;
 const JITTER_STREAM: u64 = 0x5a17_c0de_0a1b_0003;
 /// Lane ids: the ego's lanes count from 1, the turning lanes from here.
 const TURNING: u8 = 101;
-/// Lane id of the exits.
 const EXITS: u8 = 201;
 
 /// The plane around the road's beginning, with the road as its axis.
@@ -71,7 +70,6 @@ pub struct SentFrame {
 struct Site {
     intersection: u16,
     signals: Vec<(u8, f64, Program)>,
-    /// Signal group of the turning lanes.
     turning_group: u8,
 }
 
@@ -105,24 +103,11 @@ impl Frames {
     }
 
     /// The frames at `time_ns` of the run, which started at `utc_start_ns`. They are of all units, or of those that
-    /// reach a vehicle at `ego_m`.
+    /// reach a vehicle at `ego_m`. The lights of another simulator, if there are any, take the place of programs.
     ///
     /// # Errors
     /// [`EncodeError`] if a value of the scenario does not fit into the standards' messages.
     pub fn at(
-        &self,
-        time_ns: u64,
-        utc_start_ns: i64,
-        ego_m: Option<f64>,
-    ) -> Result<Vec<SentFrame>, EncodeError> {
-        self.with_lights(time_ns, utc_start_ns, ego_m, None)
-    }
-
-    /// The same with the lights of another simulator, if there are any, in the place of programs.
-    ///
-    /// # Errors
-    /// As [`Self::at`].
-    pub fn with_lights(
         &self,
         time_ns: u64,
         utc_start_ns: i64,
@@ -181,17 +166,10 @@ impl Frames {
         let is_wrong = begun(self.wrong.countdown_wrong_from_s, now.time_ns);
         let off_ms = if is_wrong { self.off_ms(end_ns, now) } else { 0 };
         let room = if is_wrong && self.wrong.countdown_lacks_next { 1 } else { MAX_INTERVALS };
-        program
-            .intervals(now.time_ns)
-            .take(room)
-            .map(|interval| {
-                event(
-                    interval.phase,
-                    interval.end_ns.map(|end_ns| now.of_run(end_ns) + off_ms),
-                    now,
-                )
-            })
-            .collect()
+        let of_interval = |interval: Interval| {
+            event(interval.phase, interval.end_ns.map(|end_ns| now.of_run(end_ns) + off_ms), now)
+        };
+        program.intervals(now.time_ns).take(room).map(of_interval).collect()
     }
 
     /// Error of the ends of a signal whose shown phase ends at `end_ns`, ms.

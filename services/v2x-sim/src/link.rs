@@ -28,9 +28,8 @@ pub(crate) struct Link {
     handed_on_ns: Option<i64>,
 }
 
-/// Frames of one cycle. The rank decides when the room is too small for all.
+/// Frames of one cycle, each with the rank of its sender. It decides when the room is too small for all.
 struct Batch {
-    /// Each frame with the rank of its sender.
     frames: Vec<(Frame, Rank)>,
     left_out: u64,
 }
@@ -46,11 +45,11 @@ impl Link {
         Ok(Self {
             carrier,
             frames: runtime.publisher()?,
-            sent: if address.is_live() { Some(runtime.subscriber()?) } else { None },
+            sent: address.is_live().then(|| runtime.subscriber()).transpose()?,
             last_sent: Origin::NONE,
             batch: Batch { frames: Vec::with_capacity(MAX_FRAMES), left_out: 0 },
             utc_start_ns: 0,
-            clock: if address.is_live() { None } else { Some(ONE_CLOCK) },
+            clock: (!address.is_live()).then_some(ONE_CLOCK),
             unit: None,
             before_start: 0,
             period_ns,
@@ -111,7 +110,6 @@ impl Link {
         Ok(())
     }
 
-    /// Takes the arrived frames.
     fn collect(&mut self, now_ns: i64) {
         self.batch.frames.clear();
         self.batch.left_out = 0;

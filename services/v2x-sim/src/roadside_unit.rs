@@ -22,32 +22,27 @@ pub struct RoadsideUnit {
 }
 
 impl RoadsideUnit {
-    /// The roadside unit of a scenario.
     pub fn new(v2x: &V2x) -> Self {
-        let signals = v2x
-            .signals
-            .iter()
-            .map(|signal| {
-                let lane = Lane {
-                    intersection_id: signal.intersection_id.value().into(),
-                    signal_group: signal.signal_group.value().into(),
-                    stop_line_m: signal.stop_line_m.value(),
-                };
-                (lane, Program::new(signal))
-            })
-            .collect();
-        Self { range_m: v2x.range_m.value(), signals }
+        let signals = v2x.signals.iter().map(|signal| {
+            let lane = Lane {
+                intersection_id: signal.intersection_id.value().into(),
+                signal_group: signal.signal_group.value().into(),
+                stop_line_m: signal.stop_line_m.value(),
+            };
+            (lane, Program::new(signal))
+        });
+        Self { range_m: v2x.range_m.value(), signals: signals.collect() }
     }
 
     /// Signals received at a place and time, without a header: those within radio range ahead, and those just passed.
-    pub fn received(&self, time_ns: u64, ego_position_m: f64) -> SignalTruth {
-        self.signals_within(self.range_m, &UnitClock::OWN, time_ns, ego_position_m)
+    pub fn received(&self, time_ns: u64, ego_m: f64) -> SignalTruth {
+        self.signals_within(self.range_m, &UnitClock::OWN, time_ns, ego_m)
     }
 
     /// Signals without regard to the radio's range: the next ones ahead and those just passed, up to a message's room.
     /// The programs run by `clock`.
-    pub fn truth(&self, clock: &UnitClock, time_ns: u64, ego_position_m: f64) -> SignalTruth {
-        self.signals_within(f64::INFINITY, clock, time_ns, ego_position_m)
+    pub fn truth(&self, clock: &UnitClock, time_ns: u64, ego_m: f64) -> SignalTruth {
+        self.signals_within(f64::INFINITY, clock, time_ns, ego_m)
     }
 
     fn signals_within(
@@ -55,36 +50,36 @@ impl RoadsideUnit {
         range_m: f64,
         clock: &UnitClock,
         time_ns: u64,
-        ego_position_m: f64,
+        ego_m: f64,
     ) -> SignalTruth {
-        let mut told = SignalTruth::zeroed();
-        let near = self.signals.iter().filter(|(lane, _)| {
-            (-NUMBERS.passed_m..=range_m).contains(&(lane.stop_line_m - ego_position_m))
-        });
-        for (slot, (lane, program)) in near.take(MAX_SIGNALS).enumerate() {
-            told.lanes[slot] = *lane;
-            write(lane, program, clock, time_ns, &mut told.signals[slot]);
-            told.count += 1;
-        }
-        told
+        let near = self.signals.iter().filter(|(lane, _)| is_near(lane, ego_m, range_m));
+        told(near.map(|(lane, program)| (*lane, signal(lane, program, clock, time_ns))))
     }
 }
 
 /// Signals of another simulator that are up to `range_m` ahead of the ego, and those just passed.
-pub fn near(lights: &Lights, ego_position_m: f64, range_m: f64) -> SignalTruth {
-    let mut near = SignalTruth::zeroed();
-    for (lane, signal) in lights.lanes().iter().zip(lights.signals()) {
-        if (-NUMBERS.passed_m..=range_m).contains(&(lane.stop_line_m - ego_position_m)) {
-            let slot = near.count as usize;
-            (near.lanes[slot], near.signals[slot]) = (*lane, *signal);
-            near.count += 1;
-        }
-    }
-    near
+pub fn near(lights: &Lights, ego_m: f64, range_m: f64) -> SignalTruth {
+    let all = lights.lanes().iter().zip(lights.signals());
+    let near = all.filter(|(lane, _)| is_near(lane, ego_m, range_m));
+    told(near.map(|(lane, signal)| (*lane, *signal)))
 }
 
-/// Writes a program's present phase and those behind it.
-fn write(lane: &Lane, program: &Program, clock: &UnitClock, time_ns: u64, signal: &mut Signal) {
+fn is_near(lane: &Lane, ego_m: f64, range_m: f64) -> bool {
+    (-NUMBERS.passed_m..=range_m).contains(&(lane.stop_line_m - ego_m))
+}
+
+fn told(signals: impl Iterator<Item = (Lane, Signal)>) -> SignalTruth {
+    let mut told = SignalTruth::zeroed();
+    for (slot, (lane, signal)) in signals.take(MAX_SIGNALS).enumerate() {
+        (told.lanes[slot], told.signals[slot]) = (lane, signal);
+        told.count += 1;
+    }
+    told
+}
+
+/// A program's present phase and those behind it.
+fn signal(lane: &Lane, program: &Program, clock: &UnitClock, time_ns: u64) -> Signal {
+    let mut signal = Signal::zeroed();
     signal.intersection_id = lane.intersection_id;
     signal.signal_group = lane.signal_group;
     let intervals = program.intervals(clock.unit_ns(time_ns));
@@ -104,6 +99,7 @@ fn write(lane: &Lane, program: &Program, clock: &UnitClock, time_ns: u64, signal
         };
         signal.count += 1;
     }
+    signal
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The roadside unit's loop: present and coming phases, by radio and as ground truth.
 
 use crate::air::Air;
-use crate::cell_map::{Ahead, CellMap};
+use crate::cell_map::CellMap;
 use crate::frames::Frames;
 use crate::link::Link;
 use crate::report::LinkReport;
@@ -10,8 +10,8 @@ use crate::unit_clock::UnitClock;
 use bytemuck::Zeroable;
 use its::EncodeError;
 use messages::{
-    Curves, EgoTruth, Header, Lights, MAX_CURVE_CELLS, Map, Origins, Preview, RadioFrames,
-    ServiceState, SignalTruth, Spat,
+    Curves, EgoTruth, Header, Lights, Map, Origins, Preview, RadioFrames, ServiceState,
+    SignalTruth, Spat,
 };
 use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError, Subscriber};
 use scenario::{Problem, Scenario};
@@ -186,7 +186,7 @@ impl Radio {
         ego_m: f64,
         lights: Option<&Lights>,
     ) -> Result<(), RuntimeError> {
-        let sent = self.units.with_lights(time_ns, self.utc_start_ns, Some(ego_m), lights);
+        let sent = self.units.at(time_ns, self.utc_start_ns, Some(ego_m), lights);
         let refused = |error: EncodeError| {
             let expected = "what SPATEM and MAPEM have room for";
             RuntimeError::from(Problem::new("v2x.signals", error.to_string(), expected))
@@ -243,35 +243,23 @@ impl Previews {
 /// The map of the road's curves, on a road with a plan.
 struct Bends {
     map: CellMap,
-    /// The curvatures known from the ego's cell on: the same all along that cell.
-    known: Option<(f64, Ahead)>,
-    curvatures: [f64; MAX_CURVE_CELLS],
     publisher: Publisher<Curves>,
 }
 
 impl Bends {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Option<Self>, RuntimeError> {
         let Some(map) = CellMap::of_curves(scenario) else { return Ok(None) };
-        let curvatures = [0.0; MAX_CURVE_CELLS];
-        Ok(Some(Self { map, known: None, curvatures, publisher: runtime.publisher()? }))
+        Ok(Some(Self { map, publisher: runtime.publisher()? }))
     }
 
     fn send(&mut self, header: Header, ego_m: f64) -> Result<(), RuntimeError> {
-        let cell = self.map.cell_of(ego_m);
-        let ahead = match self.known {
-            Some((known, ahead)) if known == cell => ahead,
-            _ => {
-                self.curvatures.fill(0.0);
-                self.map.ahead(ego_m, &mut self.curvatures)
-            }
-        };
-        self.known = Some((cell, ahead));
+        let map = &self.map;
         self.publisher.send_with(|message: &mut Curves| {
             message.header = header;
-            message.curvatures = self.curvatures;
+            let ahead = map.ahead(ego_m, &mut message.curvatures);
             message.count = ahead.count as u64;
             message.first_cell_m = ahead.first_cell_m;
-            message.cell_m = self.map.cell_m();
+            message.cell_m = map.cell_m();
         })?;
         Ok(())
     }

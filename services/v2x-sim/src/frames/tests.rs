@@ -9,7 +9,7 @@ fn frames(keys: &str) -> Frames {
 }
 
 fn read(frames: &Frames, time_ns: u64, ego_m: Option<f64>) -> Vec<Message> {
-    let sent = frames.at(time_ns, SIMULATED_START_NS, ego_m).expect("there is room");
+    let sent = frames.at(time_ns, SIMULATED_START_NS, ego_m, None).expect("there is room");
     sent.iter().map(|f| Frame::decode(&f.bytes).expect("a frame").message).collect()
 }
 
