@@ -330,6 +330,20 @@ mod in_curves {
     }
 
     #[test]
+    fn a_row_that_was_seen_once_is_no_row() {
+        let row = |way_m: f64| {
+            let along = (0..8).map(|k| 5.0 + 8.0 * f64::from(k));
+            let at = |x_m: f64| seen(x_m - way_m, x_m * x_m / 500.0 - 3.5, 0.0, 0.0);
+            along.map(at).collect::<Vec<_>>()
+        };
+        let led_after = |scans: i64| {
+            let (objects, _) = drive(1e9, scans, |time_s, _| row(EGO_MPS * time_s));
+            objects.lead_to(45.0 - EGO_MPS * 0.05 * (scans - 1) as f64, 0.55)
+        };
+        assert!(!led_after(1) && led_after(3));
+    }
+
+    #[test]
     fn on_a_straight_road_the_way_is_sure() {
         let mut objects = Objects::new(HALF_FIELD_RAD);
         follow(&mut objects, 20, |t| 60.0 - 20.0 * t, |_| 0.2);
