@@ -1,4 +1,4 @@
-//! Reading and checking of the laws' settings: one error type, one wording.
+//! Reading and checking of the laws' settings: one wording of every refusal.
 
 use parameters::Row;
 use scenario::Problem;
@@ -6,8 +6,6 @@ use scenario::controller::Controller;
 use scenario::schema::{self, Key, Schema, Shape};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::fmt;
-use thiserror::Error;
 
 /// A law's own table in a scenario file, as a type. Every key has a default.
 pub trait Settings: parameters::Table + Default + DeserializeOwned + Schema + Serialize {
@@ -17,12 +15,12 @@ pub trait Settings: parameters::Table + Default + DeserializeOwned + Schema + Se
     }
 
     /// Checks what depends on several keys.
-    fn check_together(&self) -> Result<(), SettingError> {
+    fn check_together(&self) -> Result<(), Problem> {
         Ok(())
     }
 
     /// Checks every value.
-    fn check(&self) -> Result<(), SettingError> {
+    fn check(&self) -> Result<(), Problem> {
         self.numbers().iter().try_for_each(Number::check)?;
         self.check_together()
     }
@@ -49,21 +47,18 @@ impl Number {
     }
 
     /// Checks that a value that is there is within its range.
-    pub fn check(&self) -> Result<(), SettingError> {
-        match self.value {
-            Some(value) if !self.row.accepts(value) => Err(self.refusal(value)),
-            _ => Ok(()),
-        }
+    pub fn check(&self) -> Result<(), Problem> {
+        let Some(value) = self.value else { return Ok(()) };
+        accept(self.row.accepts(value), &self.key, value, "out of range", self.expected())
     }
 
-    /// The refusal of `value`, which has the range in words.
-    fn refusal(&self, value: f64) -> SettingError {
+    /// Accepted values in words.
+    fn expected(&self) -> String {
         let (least, most) = self.row.range;
-        let expected = match self.row.excludes_least {
-            true => Expected::Above(least, most),
-            false => Expected::Within(least, most),
-        };
-        SettingError { key: self.key.clone(), value, expected }
+        match self.row.excludes_least {
+            true => format!("a number above {least} and at most {most}"),
+            false => format!("a number from {least} to {most}"),
+        }
     }
 }
 
@@ -73,7 +68,7 @@ impl Number {
 /// The place of the first wrong key or value.
 pub fn read<T: Settings>(controller: &Controller, table: &str) -> Result<T, Problem> {
     let settings: T = controller.tables.read(table)?;
-    settings.check().map_err(|error| error.in_table(&format!("controller.{table}")))?;
+    settings.check().map_err(|error| in_table(error, &format!("controller.{table}")))?;
     Ok(settings)
 }
 
@@ -111,7 +106,7 @@ fn put_ranges(keys: &mut [Key], path: &str, numbers: &[Number]) {
             Shape::Table(below) => put_ranges(below, &format!("{path}."), numbers),
             Shape::Number { range, .. } => {
                 if let Some(number) = numbers.iter().find(|number| number.key == path) {
-                    *expected = Some(number.refusal(f64::NAN).expected());
+                    *expected = Some(number.expected());
                     *range = Some(number.row.range);
                 }
             }
@@ -120,88 +115,33 @@ fn put_ranges(keys: &mut [Key], path: &str, numbers: &[Number]) {
     }
 }
 
-/// A setting that a law refuses.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[error("{}, expected {expected}", self.message())]
-pub struct SettingError {
-    /// The key, relative to the law's table.
-    key: String,
-    value: f64,
-    expected: Expected,
-}
-
-/// Accepted values.
-#[derive(Clone, Debug, PartialEq)]
-enum Expected {
-    Within(f64, f64),
-    /// The least value is not accepted.
-    Above(f64, f64),
-    /// Below the value of another key.
-    Below(String, f64),
-}
-
-impl fmt::Display for Expected {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Within(least, most) => write!(f, "a number from {least} to {most}"),
-            Self::Above(least, most) => write!(f, "a number above {least} and at most {most}"),
-            Self::Below(other, limit) => write!(f, "a number below {other} ({limit})"),
-        }
-    }
-}
-
-impl SettingError {
-    pub fn key(&self) -> &str {
-        &self.key
-    }
-
-    pub fn message(&self) -> String {
-        let fault = match self.expected {
-            Expected::Within(..) | Expected::Above(..) => "out of range",
-            Expected::Below(..) => "too large",
-        };
-        format!("{} = {} is {fault}", self.key, self.value)
-    }
-
-    /// Accepted values in words.
-    pub fn expected(&self) -> String {
-        self.expected.to_string()
-    }
-
-    /// The same of the key `key`, with its numbers, which are in seconds, in milliseconds.
-    pub fn in_ms(mut self, key: &str) -> Self {
-        key.clone_into(&mut self.key);
-        // A thousandth has no exact form: what was typed is shown.
-        let scale = |number: &mut f64| *number = (*number * 1e9).round() / 1e6;
-        scale(&mut self.value);
-        match &mut self.expected {
-            Expected::Within(least, most) | Expected::Above(least, most) => {
-                [least, most].into_iter().for_each(scale);
-            }
-            Expected::Below(_, limit) => scale(limit),
-        }
-        self
-    }
-
-    /// The error at its place in a scenario file: `table` is the dotted path of the law's table.
-    pub fn in_table(&self, table: &str) -> Problem {
-        Problem::new(format!("{table}.{}", self.key), self.message(), self.expected())
-    }
+/// The same problem below `table`, the dotted path of the law's table.
+pub fn in_table(mut problem: Problem, table: &str) -> Problem {
+    problem.path = format!("{table}.{}", problem.path);
+    problem
 }
 
 /// Accepts `least <= value <= most`; NaN is refused.
-pub fn within(key: &str, value: f64, least: f64, most: f64) -> Result<(), SettingError> {
-    let refused = Expected::Within(least, most);
-    accept((least..=most).contains(&value), key, value, refused)
+pub fn within(key: &str, value: f64, least: f64, most: f64) -> Result<(), Problem> {
+    let expected = format!("a number from {least} to {most}");
+    accept((least..=most).contains(&value), key, value, "out of range", expected)
 }
 
 /// Accepts a value below another key's; NaN is refused.
-pub fn below(key: &str, value: f64, other: &str, limit: f64) -> Result<(), SettingError> {
-    accept(value < limit, key, value, Expected::Below(other.to_owned(), limit))
+pub fn below(key: &str, value: f64, other: &str, limit: f64) -> Result<(), Problem> {
+    accept(value < limit, key, value, "too large", format!("a number below {other} ({limit})"))
 }
 
-fn accept(holds: bool, key: &str, value: f64, expected: Expected) -> Result<(), SettingError> {
-    if holds { Ok(()) } else { Err(SettingError { key: key.to_owned(), value, expected }) }
+/// The problem's path is relative to the law's table.
+fn accept(
+    holds: bool,
+    key: &str,
+    value: f64,
+    fault: &str,
+    expected: String,
+) -> Result<(), Problem> {
+    let message = || format!("{key} = {value} is {fault}");
+    if holds { Ok(()) } else { Err(Problem::new(key, message(), expected)) }
 }
 
 #[cfg(test)]
@@ -211,7 +151,7 @@ mod tests {
     const LAG: Row =
         Row { name: "lag_s", unit: "s", range: (0.0, 2.0), excludes_least: true, origin: "" };
 
-    fn lag(value: f64) -> Result<(), SettingError> {
+    fn lag(value: f64) -> Result<(), Problem> {
         Number { key: LAG.name.to_owned(), value: Some(value), row: &LAG }.check()
     }
 
@@ -225,10 +165,8 @@ mod tests {
     #[test]
     fn an_error_says_key_value_and_what_was_expected() {
         let error = lag(0.0).expect_err("not above zero");
-        assert_eq!(
-            error.to_string(),
-            "lag_s = 0 is out of range, expected a number above 0 and at most 2"
-        );
-        assert_eq!(error.in_table("controller.road").path, "controller.road.lag_s");
+        assert_eq!(error.message, "lag_s = 0 is out of range");
+        assert_eq!(error.expected, "a number above 0 and at most 2");
+        assert_eq!(in_table(error, "controller.road").path, "controller.road.lag_s");
     }
 }

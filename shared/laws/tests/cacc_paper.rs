@@ -5,8 +5,7 @@ use law::{
 };
 use laws::cacc::config::Config;
 use laws::cacc::paper::PaperLaw;
-use laws::cacc::weights::{self, Weights};
-use scenario::controller::SpacingPolicy;
+use scenario::controller::{SpacingPolicy, Weights};
 
 fn law(set: Weights, policy: SpacingPolicy, light: bool) -> PaperLaw {
     let config = Config { spacing_policy: policy, weights: set, ..Config::default() };
@@ -18,7 +17,7 @@ fn law(set: Weights, policy: SpacingPolicy, light: bool) -> PaperLaw {
 /// A measured state beyond the buffer makes the paper's program infeasible; the law still answers.
 #[test]
 fn a_state_beyond_the_buffer_is_relaxed() {
-    let mut law = law(weights::JOINT, SpacingPolicy::MeasuredHeadway, false);
+    let mut law = law(Weights::default(), SpacingPolicy::MeasuredHeadway, false);
     let mut output = Output::default();
     let near = Target { track_id: 1, gap_m: 8.0, relative_speed_mps: -5.0, ..Target::default() };
     law.step(&behind(near), &mut output);
@@ -28,7 +27,7 @@ fn a_state_beyond_the_buffer_is_relaxed() {
 
 #[test]
 fn false_numbers_never_reach_the_command() {
-    let mut law = law(weights::JOINT, SpacingPolicy::MeasuredHeadway, true);
+    let mut law = law(Weights::default(), SpacingPolicy::MeasuredHeadway, true);
     let mut output = Output::default();
     for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         for field in 0..8 {
@@ -90,7 +89,7 @@ fn the_light_has_a_solution_where_the_reference_found_no_solution() {
         input.ego = Ego { position_m: 6.5, speed_mps: v, acceleration_mps2: a };
         input.signals = light(Phase::Green, t_l, v_lead * t_l - h - e);
         let mut output = Output::default();
-        law(weights::JOINT, SpacingPolicy::MeasuredHeadway, true).step(&input, &mut output);
+        law(Weights::default(), SpacingPolicy::MeasuredHeadway, true).step(&input, &mut output);
         assert_eq!((output.quality, output.plan_len), (Quality::Full, 100));
         for (k, u) in output.plan_mps2[..100].iter().enumerate() {
             (e, ed, a) = (e + 0.1 * ed, ed + 0.1 * a, 0.8 * a + 0.2 * u);

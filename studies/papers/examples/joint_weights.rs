@@ -9,9 +9,15 @@
 //! scales the cost and stays 1. Nelder-Mead works in the logarithms. It starts in turn from the best point with a fresh
 //! simplex, and from the best of a random sample of plausible weights. The same arguments give the same result.
 //! Scene A has B's figure too.
+//!
+//! The joint set is the scenario's default. It was calibrated with three figures that the paper does not print: two
+//! durations of saturation and the first sample of a request. It has a score of 0.348. 13,000 evaluations found 0.308 at
+//! Q = (236, 1662, 1.80), w = 3.47e6, d_th = 127 and a Table 3 lead of 2.369 m/s². Other starts end at 0.310 with Q1 =
+//! 561 and at 0.332 with Q1 = 19.7. All lie in one valley, Q2/Q1 about 7 and w/Q1 about 1.5e4, and the joint set lies in
+//! it, too. So the printed numbers fix these two ratios and not the five weights. The reference closed loops were made
+//! with the joint set, and it stays.
 
-use controller::laws::cacc::weights::{JOINT, Weights};
-use papers::cacc::{self, Calibration, PRINTED, Recording, Runs, SCENES};
+use papers::cacc::{self, Calibration, PRINTED, Recording, Runs, SCENES, Weights};
 use papers::row::Row;
 use papers::runner::Driven;
 use rand_core::SeedableRng;
@@ -35,7 +41,7 @@ fn main() {
     let seed = arguments.next().map_or(1, |a| a.parse().expect("SEED is a number"));
 
     let scene = SCENES.iter().find(|scene| scene.name == of);
-    let given = scene.map_or(point(&JOINT, TABLE_3_LEAD_MPS2), |scene| {
+    let given = scene.map_or(point(&joint(), TABLE_3_LEAD_MPS2), |scene| {
         point(&scene.fitted, cacc::TABLE_3_LEAD_MPS2)
     });
     let mut search = Search::new(of, budget, seed, given);
@@ -173,29 +179,21 @@ impl Search {
     }
 }
 
-fn point(weights: &Weights, lead_mps2: f64) -> Point {
-    [
-        weights.gap_error_per_m2,
-        weights.speed_error_s2_per_m2,
-        weights.acceleration_s4_per_m2,
-        weights.light_m,
-        weights.light_threshold_m,
-        lead_mps2,
-    ]
-    .map(libm::log)
+/// The scenario's default.
+fn joint() -> Weights {
+    let default = scenario::controller::Weights::default();
+    let [q1, q2, q3, w] =
+        [default.q1, default.q2, default.q3, default.light_weight].map(|weight| weight.value());
+    [q1, q2, q3, w, default.light_threshold_m.value()]
+}
+
+fn point([q1, q2, q3, w, d_th]: &Weights, lead_mps2: f64) -> Point {
+    [*q1, *q2, *q3, *w, *d_th, lead_mps2].map(libm::log)
 }
 
 fn weights(at: &Point) -> (Weights, f64) {
     let [q1, q2, q3, w, d_th, lead] = at.map(libm::exp);
-    let weights = Weights {
-        gap_error_per_m2: q1,
-        speed_error_s2_per_m2: q2,
-        acceleration_s4_per_m2: q3,
-        request_s4_per_m2: 1.0,
-        light_m: w,
-        light_threshold_m: d_th,
-    };
-    (weights, lead)
+    ([q1, q2, q3, w, d_th], lead)
 }
 
 fn score(rows: &[Row]) -> f64 {

@@ -3,13 +3,12 @@
 use mpc_solver::{Kind, Solver};
 use parameters::parameters;
 use scenario::Problem;
-use scenario::controller::{Controller, LightStages, Solver as SolverName, SpacingPolicy};
+use scenario::controller::{Controller, Solver as SolverName, SpacingPolicy, Weights};
 
 use super::road_config::{RoadConfig, TABLE};
-use super::weights::{JOINT, Weights};
 use law::following::driver::Driver;
 use law::key;
-use law::settings::{Number, SettingError, below};
+use law::settings::{Number, below, in_table, within};
 use law::{MAX_PLAN, Reader};
 
 /// Handling of signals by a law.
@@ -27,8 +26,6 @@ parameters! {
     pub struct Config {
         /// Steps of the prediction, `N`.
         horizon: usize = 100, "1", 10.0..=128.0, "The scenario's key.";
-        /// Step of the prediction, `T`, s.
-        step_s: f64 = 0.1, "s", 0.01..=0.5, "The scenario's key.";
         /// Lag of the vehicle's acceleration behind the request, `tau`, s.
         model_time_constant_s: f64 = 0.5, "s", 0.05..=5.0, "The scenario's key.";
         /// Smallest request, m/s².
@@ -40,19 +37,22 @@ parameters! {
         /// Buffer `d_b`: the desired gap at standstill under the paper's spacing policies, m.
         standstill_distance_m: f64 = 12.0, "m", 0.5..=50.0, "The paper's.";
         others {
+            /// Step of the prediction, `T`, s.
+            step_s: f64 = 0.1;
             /// Form of the desired distance, and with it the formulation.
             spacing_policy: SpacingPolicy = SpacingPolicy::ConstantTimeHeadway;
             /// Solver of the convex programs.
             solver: SolverName = SolverName::Riccati;
             /// Weights of the paper's cost.
-            weights: Weights = JOINT;
-            /// Stages at which the paper's light penalty counts.
-            light_stages: LightStages = LightStages::default();
+            weights: Weights = Weights::default();
             /// Settings of the formulation for the road.
             road: RoadConfig = RoadConfig::default();
         }
     }
 }
+
+/// The scenario's key of the step.
+const STEP: &str = "prediction_step_ms";
 
 const _: () = assert!(MAX_PLAN == 128, "the longest horizon fits a plan");
 
@@ -75,23 +75,21 @@ impl Config {
             }
             spacing_policy => {
                 let mut weights = Weights {
-                    gap_error_per_m2: key!(reader, weights.q1).value(),
-                    speed_error_s2_per_m2: key!(reader, weights.q2).value(),
-                    acceleration_s4_per_m2: key!(reader, weights.q3).value(),
-                    request_s4_per_m2: key!(reader, weights.r).value(),
-                    ..JOINT
+                    q1: key!(reader, weights.q1),
+                    q2: key!(reader, weights.q2),
+                    q3: key!(reader, weights.q3),
+                    r: key!(reader, weights.r),
+                    ..Weights::default()
                 };
-                let mut light_stages = LightStages::default();
                 if signals == Signals::Used {
-                    light_stages = key!(reader, weights.light_stages);
-                    weights.light_m = key!(reader, weights.light_weight).value();
-                    weights.light_threshold_m = key!(reader, weights.light_threshold_m).value();
+                    weights.light_stages = key!(reader, weights.light_stages);
+                    weights.light_weight = key!(reader, weights.light_weight);
+                    weights.light_threshold_m = key!(reader, weights.light_threshold_m);
                 }
                 // The driver that takes over in the end.
                 let keys = ["acceleration_mps2", "reference_deceleration_mps2"];
                 let road = reader.part_of_table(TABLE.name, &keys)?;
-                let config =
-                    Self { spacing_policy, weights, light_stages, road, ..Self::shared(reader) };
+                let config = Self { spacing_policy, weights, road, ..Self::shared(reader) };
                 Ok(config.at_standstill())
             }
         }
@@ -113,7 +111,7 @@ impl Config {
 
     /// The settings that all formulations have.
     fn shared(reader: &Reader<'_>) -> Self {
-        let step = reader.key("prediction_step_ms", Controller::prediction_step);
+        let step = reader.key(STEP, Controller::prediction_step);
         Self {
             solver: key!(reader, solver),
             horizon: key!(reader, horizon).value().into(),
@@ -144,24 +142,26 @@ impl Config {
         kind.create(self.horizon)
     }
 
-    /// Checks every setting.
-    pub fn check(&self) -> Result<(), SettingError> {
+    /// Checks every setting; keys are relative to `controller`.
+    pub fn check(&self) -> Result<(), Problem> {
         Number::of("", self).iter().try_for_each(Number::check)?;
-        below("step_s", self.step_s, "model_time_constant_s", self.model_time_constant_s)?;
-        self.weights.check()?;
+        // The key's unit. A thousandth has no exact form: what was typed is shown.
+        let in_ms = |seconds: f64| (seconds * 1e9).round() / 1e6;
+        within(STEP, in_ms(self.step_s), 10.0, 500.0)?;
+        let lag_ms = in_ms(self.model_time_constant_s);
+        below(STEP, in_ms(self.step_s), "model_time_constant_s", lag_ms)?;
         self.road.check_within(self.min_request_mps2, self.max_request_mps2)
     }
 
-    /// An error in the words and units of the scenario's keys below `controller`.
-    pub fn in_scenario(error: SettingError, controller: &Controller) -> SettingError {
-        match error.key() {
-            "step_s" if controller.prediction_step_ms.is_some() => {
-                error.in_ms("prediction_step_ms")
-            }
+    /// A problem at its place in the scenario.
+    pub(super) fn in_scenario(problem: Problem, controller: &Controller) -> Problem {
+        let is_of_step = problem.path == STEP;
+        if is_of_step && controller.prediction_step_ms.is_none() {
             // Without a step of its own the prediction has the controller's.
-            "step_s" => error.in_ms("period_ms"),
-            _ => error,
+            let message = problem.message.replace(STEP, "period_ms");
+            return Problem::new("controller.period_ms", message, problem.expected);
         }
+        in_table(problem, "controller")
     }
 }
 
@@ -181,14 +181,16 @@ mod tests {
     fn errors_are_in_the_words_and_units_of_the_scenario() {
         let said = |config: Config| {
             let error = config.check().expect_err("out of range");
-            Config::in_scenario(error, &Controller::default()).to_string()
+            let Problem { message, expected, .. } =
+                Config::in_scenario(error, &Controller::default());
+            format!("{message}, expected {expected}")
         };
         let set =
             Controller { prediction_step_ms: Some(PeriodMs::of(1000)), ..Controller::default() };
         let slow = Config { step_s: 1.0, ..Config::default() }.check().expect_err("out of range");
         assert_eq!(
             Config::in_scenario(slow, &set).to_string(),
-            "prediction_step_ms = 1000 is out of range, expected a number from 10 to 500"
+            "controller.prediction_step_ms: prediction_step_ms = 1000 is out of range, expected a number from 10 to 500"
         );
         for period_ms in [1, 100, 500, 501, 1000, 10_000] {
             let period_ms = PeriodMs::of(period_ms);
@@ -211,11 +213,8 @@ mod tests {
     #[test]
     fn a_value_that_is_not_a_number_or_contradicts_is_refused() {
         let nan = Config { model_time_constant_s: f64::NAN, ..Config::default() };
-        assert_eq!(nan.check().expect_err("NaN").key(), "model_time_constant_s");
+        assert_eq!(nan.check().expect_err("NaN").path, "model_time_constant_s");
         let slow = Config { step_s: 0.4, model_time_constant_s: 0.3, ..Config::default() };
-        assert_eq!(slow.check().expect_err("a step beyond the lag").key(), "step_s");
-        let weights = Weights { request_s4_per_m2: 0.0, ..JOINT };
-        let free = Config { weights, ..Config::default() };
-        assert_eq!(free.check().expect_err("no cost").key(), "weights.request_s4_per_m2");
+        assert_eq!(slow.check().expect_err("a step beyond the lag").path, STEP);
     }
 }

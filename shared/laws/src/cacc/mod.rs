@@ -9,7 +9,6 @@ pub mod paper;
 mod plan;
 pub mod road;
 pub mod road_config;
-pub mod weights;
 
 pub use config::Signals;
 
@@ -18,27 +17,25 @@ use scenario::controller::{Controller, SpacingPolicy};
 use scenario::quantity::Distance;
 use scenario::referee::DesiredGap;
 use scenario::{Problem, Scenario};
-use thiserror::Error;
 
 use self::config::Config;
 use self::paper::PaperLaw;
 use self::road::RoadLaw;
 use self::road_config::TABLE;
-use law::settings::SettingError;
 use law::{Descriptor, Formulation, GapPolicy, Law, Reader};
 
 /// Model-predictive following.
 pub static ACC_MPC: Descriptor = descriptor(
     "acc-mpc",
     "predictive following, blind to signals (He et al. 2024, baseline)",
-    |reader| of(reader, Signals::Ignored),
+    |reader| Ok(of(reader, Signals::Ignored)?.0),
 );
 
 /// The same with signalised intersections.
 pub static CACC_MPC: Descriptor = descriptor(
     "cacc-mpc",
     "predictive following through signalised intersections (He et al. 2024)",
-    |reader| of(reader, Signals::Used),
+    |reader| Ok(of(reader, Signals::Used)?.0),
 );
 
 const FORMULATIONS: &[&Formulation] = &[&road::FORMULATION, &paper::FORMULATION];
@@ -62,26 +59,32 @@ const fn descriptor(
     }
 }
 
-/// Reason why a law could not be built.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum BuildError {
-    /// A setting is not accepted.
-    #[error(transparent)]
-    Setting(#[from] SettingError),
-    /// The settings do not make a convex program.
-    #[error(transparent)]
-    Problem(#[from] ProblemError),
-}
-
 /// Builds a law from its settings; the spacing policy picks the formulation.
-pub fn build(signals: Signals, config: &Config) -> Result<Box<dyn Law + Send>, BuildError> {
+///
+/// # Errors
+/// A key, relative to `controller`, whose value is not accepted.
+pub fn build(signals: Signals, config: &Config) -> Result<Box<dyn Law + Send>, Problem> {
     config.check()?;
     let uses_light = signals == Signals::Used;
     let solver = config.create_solver();
+    let not_convex = |error: ProblemError| {
+        Problem::new("weights", error.to_string(), "weights of a convex problem")
+    };
     if config.spacing_policy == SpacingPolicy::ConstantTimeHeadway {
-        return Ok(Box::new(RoadLaw::new(config, uses_light, solver)?));
+        return Ok(Box::new(RoadLaw::new(config, uses_light, solver).map_err(not_convex)?));
     }
-    Ok(Box::new(PaperLaw::new(config, uses_light, solver)?))
+    Ok(Box::new(PaperLaw::new(config, uses_light, solver).map_err(not_convex)?))
+}
+
+/// The law of a scenario, and its settings.
+pub(super) fn of(
+    reader: &Reader<'_>,
+    signals: Signals,
+) -> Result<(Box<dyn Law + Send>, Config), Problem> {
+    let config = Config::of(reader, signals)?;
+    let law = build(signals, &config)
+        .map_err(|problem| Config::in_scenario(problem, &reader.scenario().controller))?;
+    Ok((law, config))
 }
 
 fn formulation(controller: &Controller) -> &'static Formulation {
@@ -105,24 +108,6 @@ pub(super) fn desired_gap(scenario: &Scenario) -> DesiredGap {
         SpacingPolicy::MeasuredHeadway | SpacingPolicy::ConstantTimeHeadway => {
             let standstill_distance_m = distance(standstill_m);
             DesiredGap::Headway { time_headway_s, standstill_distance_m }
-        }
-    }
-}
-
-fn of(reader: &Reader<'_>, signals: Signals) -> Result<Box<dyn Law>, Problem> {
-    let config = Config::of(reader, signals)?;
-    match build(signals, &config) {
-        Ok(law) => Ok(law),
-        Err(error) => Err(in_scenario(error, &reader.scenario().controller)),
-    }
-}
-
-/// The error in the words and units of the scenario's keys.
-pub(super) fn in_scenario(error: BuildError, controller: &Controller) -> Problem {
-    match error {
-        BuildError::Setting(error) => Config::in_scenario(error, controller).in_table("controller"),
-        BuildError::Problem(error) => {
-            Problem::new("controller", error.to_string(), "weights of a convex problem")
         }
     }
 }

@@ -39,6 +39,7 @@ use mpc_solver::{
 };
 
 use scenario::controller::{LightStages, SpacingPolicy};
+use scenario::quantity::Weight;
 
 use super::config::Config;
 use super::plan::PlanMemory;
@@ -316,7 +317,7 @@ fn light_stages(
 ) -> impl Iterator<Item = LightStage> + use<> {
     let (sign, switch, step) = (light.sign, light.switch_s, config.step_s);
     let h = v_lead * switch - light.distance_m - error[0];
-    let last = match config.light_stages {
+    let last = match config.weights.light_stages {
         LightStages::BeforeSwitch => ((switch - SWITCH_S) / step) as usize,
         LightStages::All => config.horizon,
     };
@@ -329,8 +330,7 @@ fn light_stages(
 fn problem(config: &Config, program: Program) -> Result<Problem, ProblemError> {
     let (n, t, weights) = (config.horizon, config.step_s, &config.weights);
     let c = t / config.model_time_constant_s;
-    let q =
-        [weights.gap_error_per_m2, weights.speed_error_s2_per_m2, weights.acceleration_s4_per_m2];
+    let q = [weights.q1, weights.q2, weights.q3].map(Weight::value);
     let mut buffer = Row {
         gradient: [1.0, 0.0, 0.0],
         from: 1,
@@ -341,7 +341,7 @@ fn problem(config: &Config, program: Program) -> Result<Problem, ProblemError> {
     let mut builder = Problem::builder(n)
         .dynamics([[1.0, t, 0.0], [0.0, 1.0, t], [0.0, 0.0, 1.0 - c]], [0.0, 0.0, c])
         .state_weights(q)
-        .input_cost(weights.request_s4_per_m2)
+        .input_cost(weights.r.value())
         .input_bounds(config.min_request_mps2, config.max_request_mps2);
     if program == Program::Softened {
         buffer.from = 3;
@@ -352,10 +352,10 @@ fn problem(config: &Config, program: Program) -> Result<Problem, ProblemError> {
     } else {
         builder = builder.terminal_equality([0.0; 3]);
     }
-    if program == Program::Lit && weights.light_m > 0.0 {
+    if program == Program::Lit && weights.light_weight.value() > 0.0 {
         builder = builder.light(LightCost {
-            weight: weights.light_m,
-            threshold: weights.light_threshold_m,
+            weight: weights.light_weight.value(),
+            threshold: weights.light_threshold_m.value(),
             softness: Softness::Hard,
         });
     }

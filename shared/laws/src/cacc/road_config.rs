@@ -4,7 +4,8 @@ use parameters::parameters;
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use law::settings::{SettingError, Settings, Table, within};
+use law::settings::{Settings, Table, within};
+use scenario::Problem;
 
 /// The table of the road formulation.
 pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
@@ -62,7 +63,7 @@ impl Settings for RoadConfig {}
 impl RoadConfig {
     /// Checks every setting, those included that depend on the bounds of the request. Keys are
     /// relative to `controller`.
-    pub fn check_within(&self, min_mps2: f64, max_mps2: f64) -> Result<(), SettingError> {
+    pub fn check_within(&self, min_mps2: f64, max_mps2: f64) -> Result<(), Problem> {
         let (standstill_m, comfort_mps2) = (self.standstill_gap_m, self.comfort_deceleration_mps2);
         within("standstill_distance_m", standstill_m, 1.0, 50.0)?;
         within("road.min_gap_m", self.min_gap_m, 0.1, standstill_m)?;

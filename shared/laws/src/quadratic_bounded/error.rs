@@ -1,6 +1,6 @@
 //! Why a file is not a design.
 
-use law::settings::SettingError;
+use scenario::Problem;
 use thiserror::Error;
 
 /// Largest accepted file, bytes; a design needs about 8000.
@@ -69,8 +69,8 @@ pub enum DesignError {
     #[error("format {0:?}: expected {FORMAT:?}")]
     Format(String),
     /// A parameter outside its range.
-    #[error("design parameter {0}")]
-    Parameter(#[from] SettingError),
+    #[error("design parameter {}, expected {}", .0.message, .0.expected)]
+    Parameter(Problem),
     /// A number too large to compute with.
     #[error("number {0:e} in the design: expected at most 1e9")]
     Number(f64),

@@ -4,11 +4,12 @@ use super::certificate::{ClosedState, Design, extended};
 use super::envelope::{self, Envelope};
 use super::model::State;
 use super::printed;
-use super::settings::{GainSource, Settings};
+use super::{GainSource, Settings};
 use crate::checked::Checked;
-use law::settings::{self, SettingError};
+use law::settings;
 use law::{Ego, Input, Law, Output, Quality, Target};
 use nalgebra::{SMatrix, SVector};
+use scenario::Problem;
 
 /// Request towards which a law without usable input moves, m/s².
 const BLIND_REQUEST: f64 = -1.0;
@@ -44,13 +45,6 @@ struct Candidate {
     increment: f64,
 }
 
-impl Candidate {
-    /// The increment of the printed gains, without xc.
-    fn printed(x: &State) -> Self {
-        Self { z: extended(x, &State::zeros()), increment: printed::increment(x) }
-    }
-}
-
 #[derive(Clone, Debug)]
 pub struct QuadraticBounded {
     design: Design,
@@ -79,7 +73,7 @@ struct Memory {
 
 impl QuadraticBounded {
     /// A law with a verified design.
-    pub fn new(design: Design, settings: Settings) -> Result<Self, SettingError> {
+    pub fn new(design: Design, settings: Settings) -> Result<Self, Problem> {
         settings::Settings::check(&settings)?;
         Ok(Self { design, settings, memory: Memory::default() })
     }
@@ -106,14 +100,12 @@ impl QuadraticBounded {
         let desired = p.desired_gap_m(speed);
         let virtual_lead =
             State::new(0.0, set_speed_mps - speed, acceleration, self.memory.request);
-        let cruise = self.cruise(virtual_lead, speed);
+        let cruise = self.candidate(Mode::Cruise, virtual_lead, speed);
         let followed = target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
         let follow = followed.map(|t| {
-            let error_m = t.gap_m - desired;
-            self.follow(
-                State::new(error_m, t.relative_speed_mps, acceleration, self.memory.request),
-                speed,
-            )
+            let (error_m, request) = (t.gap_m - desired, self.memory.request);
+            let x = State::new(error_m, t.relative_speed_mps, acceleration, request);
+            self.candidate(Mode::Follow, x, speed)
         });
         let (mode, reason, chosen) = match follow {
             None => (Mode::Cruise, Reason::NoTarget, cruise),
@@ -208,47 +200,36 @@ impl QuadraticBounded {
         self.memory.figures[..6].copy_from_slice(&shown);
     }
 
-    /// The virtual lead: no gap error, and a speed that keeps V within its limit.
-    fn cruise(&self, mut x: State, speed: f64) -> Candidate {
-        if self.is_printed() {
-            return Candidate::printed(&x);
+    /// The request for the lead of a mode, and the state as the law takes it.
+    ///
+    /// The state is cut off so that V stays within its limit: the virtual lead's speed error on both sides, the real
+    /// lead's gap error above. Otherwise a slower lead far away would be outside of the design's range.
+    fn candidate(&self, mode: Mode, mut x: State, speed: f64) -> Candidate {
+        let is_real = mode == Mode::Follow;
+        if is_real {
+            x[0] = x[0].min(self.settings.gap_error_limit_m);
         }
-        let (low, high) = self.admissible(Mode::Cruise, &x, 1);
-        x[1] = x[1].clamp(low, high);
-        self.candidate(Mode::Cruise, &x, speed)
-    }
-
-    /// The real lead, its gap error cut off above. Otherwise a slower lead far away would be outside of the design's
-    /// range.
-    fn follow(&self, mut x: State, speed: f64) -> Candidate {
-        x[0] = x[0].min(self.settings.gap_error_limit_m);
         if self.is_printed() {
-            return Candidate::printed(&x);
+            return Candidate {
+                z: extended(&x, &State::zeros()),
+                increment: printed::increment(&x),
+            };
         }
-        let (_, high) = self.admissible(Mode::Follow, &x, 0);
-        x[0] = x[0].min(high);
-        self.candidate(Mode::Follow, &x, speed)
-    }
-
-    fn candidate(&self, mode: Mode, x: &State, speed: f64) -> Candidate {
-        let xc =
-            if self.memory.mode == Some(mode) { self.memory.xc } else { self.design.reset * x };
+        let Design { p, reset, x_inverse, .. } = &self.design;
+        let (index, limit) = (usize::from(!is_real), self.settings.envelope_limit);
+        let goes_on = self.memory.mode == Some(mode);
+        let (low, high) = if goes_on {
+            interval(p, &extended(&x, &self.memory.xc), index, limit)
+        } else {
+            interval(x_inverse, &x, index, limit)
+        };
+        x[index] = x[index].clamp(if is_real { f64::NEG_INFINITY } else { low }, high);
+        let xc = if goes_on { self.memory.xc } else { reset * x };
         let blend = self.design.parameters().memberships(speed);
         let rules = self.design.rules();
         let increment =
-            blend.iter().zip(rules).map(|(h, r)| h * (r.fx.dot(&xc) + r.fy.dot(x))).sum();
-        Candidate { z: extended(x, &xc), increment }
-    }
-
-    /// Values of entry `index` of x for which V stays within its limit, the rest as given. The one
-    /// with the least V where there are none.
-    fn admissible(&self, mode: Mode, x: &State, index: usize) -> (f64, f64) {
-        let limit = self.settings.envelope_limit;
-        if self.memory.mode == Some(mode) {
-            interval(&self.design.p, &extended(x, &self.memory.xc), index, limit)
-        } else {
-            interval(&self.design.x_inverse, x, index, limit)
-        }
+            blend.iter().zip(rules).map(|(h, r)| h * (r.fx.dot(&xc) + r.fy.dot(&x))).sum();
+        Candidate { z: extended(&x, &xc), increment }
     }
 
     fn next_controller_state(&self, z: &ClosedState, speed: f64) -> State {
@@ -350,8 +331,8 @@ mod tests {
         use law::settings::Settings as _;
         assert_eq!(Settings::default().check(), Ok(()));
         let bad = Settings { envelope_limit: 1.5, ..Settings::default() };
-        assert_eq!(bad.check().expect_err("too large").key(), "envelope_limit");
+        assert_eq!(bad.check().expect_err("too large").path, "envelope_limit");
         let bad = Settings { gap_error_limit_m: f64::NAN, ..Settings::default() };
-        assert_eq!(bad.check().expect_err("NaN").key(), "gap_error_limit_m");
+        assert_eq!(bad.check().expect_err("NaN").path, "gap_error_limit_m");
     }
 }

@@ -77,11 +77,9 @@ mod certificate;
 mod design;
 mod envelope;
 mod error;
-mod formulation;
 mod law;
 mod model;
 mod printed;
-mod settings;
 
 pub use certificate::{
     ClosedMatrix, ClosedState, Content, Design, Gains, RuleContent, closed_loop,
@@ -89,11 +87,13 @@ pub use certificate::{
 pub use error::{Condition, DesignError, Failure};
 pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};
-pub use settings::{GainSource, Settings};
 
-use ::law::settings::Table;
-use ::law::{Descriptor, GapPolicy, Law, Reader};
+use ::law::settings::{self, Table};
+use ::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader};
+use parameters::parameters;
 use scenario::Problem;
+use scenario::schema::Schema;
+use serde::{Deserialize, Serialize};
 
 const TABLE: Table = Table::of::<Settings>("quadratic_bounded");
 
@@ -103,12 +103,12 @@ pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
     description: "output feedback with a proven invariant ellipsoid (Gao et al. 2015)",
     source: "Gao, Yan, Li, Hu, 2015",
     table: Some(TABLE),
-    formulations: &[&formulation::CERTIFIED, &formulation::PRINTED],
+    formulations: &[&CERTIFIED, &PRINTED],
     formulation: |controller| {
         let settings = controller.tables.read::<Settings>(TABLE.name).unwrap_or_default();
         match settings.gains {
-            GainSource::Certified => &formulation::CERTIFIED,
-            GainSource::Printed => &formulation::PRINTED,
+            GainSource::Certified => &CERTIFIED,
+            GainSource::Printed => &PRINTED,
         }
     },
     gap: GapPolicy::Figure("gap_error_m"),
@@ -116,6 +116,45 @@ pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
     trucks_alone: false,
     build,
 };
+
+/// The meaning of the numbers in the output of a certified design.
+static CERTIFIED: Formulation = Formulation {
+    name: "quadratic boundedness",
+    caution: None,
+    modes: &["cruise", "follow", "fall-back"],
+    reasons: &reasons("outside the certified range"),
+    figures: &figures(Figure::new("lyapunov", "1"), "the same within the certified range"),
+};
+
+/// The same for the printed gains.
+static PRINTED: Formulation = Formulation {
+    name: "quadratic boundedness, gains as printed",
+    caution: Some("uncertified"),
+    modes: CERTIFIED.modes,
+    reasons: &reasons("beyond comfortable braking"),
+    figures: &figures(
+        Figure::new("urgency", "1").meaning("needed over comfortable deceleration"),
+        "the same, cut off above",
+    ),
+};
+
+const fn reasons(of_fall_back: &'static str) -> [&'static str; 5] {
+    ["none", "no target in range", "set speed demands less", "lead demands less", of_fall_back]
+}
+
+/// The figures, of which the first ends the law's range at 1; `used` says how the gap error is cut off.
+const fn figures(excess: Figure, used: &'static str) -> [Figure; 8] {
+    [
+        excess,
+        Figure::new("gap_error_m", "m").meaning("real minus desired gap; negative: too close"),
+        Figure::new("gap_error_used_m", "m").meaning(used),
+        Figure::new("speed_error_mps", "m/s").meaning("target's speed minus speed"),
+        Figure::new("gap_error_rate_mps", "m/s"),
+        Figure::new("increment_mps2", "m/s²"),
+        Figure::new("cruise_increment_mps2", "m/s²"),
+        Figure::new("follow_increment_mps2", "m/s²"),
+    ]
+}
 
 fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     let settings: Settings = reader.table(TABLE.name)?;
@@ -128,5 +167,53 @@ fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
         })?,
     };
     let law = QuadraticBounded::new(design, settings);
-    Ok(Box::new(law.map_err(|error| error.in_table("controller.quadratic_bounded"))?))
+    Ok(Box::new(law.map_err(|error| settings::in_table(error, "controller.quadratic_bounded"))?))
 }
+
+/// Source of the gains.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
+#[serde(rename_all = "kebab-case")]
+pub enum GainSource {
+    /// The design, which is proven at every start.
+    #[default]
+    Certified,
+    /// The paper's output equation, of which nothing is proven: for study.
+    Printed,
+}
+
+parameters! {
+    /// Settings of the law outside its design, as `[controller.quadratic_bounded]` holds them.
+    #[derive(Deserialize, Serialize, Schema)]
+    #[serde(default, deny_unknown_fields)]
+    pub struct Settings {
+        /// Targets beyond this range are not followed, m.
+        sensor_range_m: f64 = 150.0, "m", 1.0..=1000.0, "Chosen.";
+        /// Gap errors above this are taken for this, m.
+        gap_error_limit_m: f64 = 20.0, "m", 0.0..=1000.0, "Chosen.";
+        /// Gap errors that would make V larger than this are taken for smaller ones.
+        envelope_limit: f64 = 0.98, "1", 0.01..=1.0, "Chosen.";
+        /// Full braking of the fall-back, m/s² (positive).
+        fall_back_braking_mps2: f64 = 6.0, "m/s²", 1.0..=12.0, "Chosen.";
+        /// Hardest deceleration of the lead that the fall-back assumes, m/s² (positive).
+        lead_deceleration_mps2: f64 = 9.0, "m/s²", 0.5..=12.0, "Chosen.";
+        others {
+            /// Source of the gains: the certified design, or the paper as it is printed.
+            gains: GainSource = GainSource::Certified;
+            /// Path of a design file; absent: the design that comes with the law.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            design: Option<String> = None;
+        }
+    }
+}
+
+impl Settings {
+    /// The key that the chosen gains do not use: without a V there is nothing to keep within it.
+    pub(super) fn unused(&self) -> &'static [&'static str] {
+        match self.gains {
+            GainSource::Certified => &[],
+            GainSource::Printed => &["envelope_limit"],
+        }
+    }
+}
+
+impl settings::Settings for Settings {}

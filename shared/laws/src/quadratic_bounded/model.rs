@@ -1,8 +1,9 @@
 //! The vehicle-following model: parameters, desired gap, and the two rules of the T-S model.
 
-use law::settings::{Number, SettingError, within};
+use law::settings::{Number, within};
 use nalgebra::{SMatrix, SVector};
 use parameters::parameters;
+use scenario::Problem;
 use serde::{Deserialize, Serialize};
 
 /// States of the model, x = [Dd, Dv, a, u(k-1)].
@@ -68,7 +69,7 @@ parameters! {
 
 impl Parameters {
     /// Checks every value.
-    pub fn check(&self) -> Result<(), SettingError> {
+    pub fn check(&self) -> Result<(), Problem> {
         Number::of("", self).iter().try_for_each(Number::check)?;
         within("greatest_speed_mps", self.greatest_speed_mps, self.least_speed_mps + 1e-3, 150.0)?;
         within("start_set (count)", self.start_set.len() as f64, 0.0, 16.0)?;
@@ -182,7 +183,7 @@ mod tests {
     fn a_bad_value_names_its_key() {
         let base = Parameters::default;
         assert_eq!(base().check(), Ok(()));
-        let key = |p: Parameters| p.check().expect_err("must be refused").key().to_owned();
+        let key = |p: Parameters| p.check().expect_err("must be refused").path;
         assert_eq!(key(Parameters { actuator_lag_s: 0.0, ..base() }), "actuator_lag_s");
         assert_eq!(key(Parameters { gap_noise_m: f64::NAN, ..base() }), "gap_noise_m");
         assert_eq!(key(Parameters { least_speed_mps: 36.0, ..base() }), "greatest_speed_mps");

@@ -9,8 +9,9 @@ use super::parameters::{Parameters, Spacing, Variant};
 use super::requests;
 use crate::checked::Checked;
 use law::following::soft_stop::{Room, soften, within_set_speed};
-use law::settings::{SettingError, Settings as _};
+use law::settings::Settings as _;
 use law::{Ego, Figure, Formulation, Input, Law, Output, Quality};
+use scenario::Problem;
 
 /// Samples in the mean of the decelerate mode.
 const MEAN: usize = 4;
@@ -56,7 +57,7 @@ pub struct SixMode {
 
 impl SixMode {
     /// A law with the given parameters.
-    pub fn new(parameters: Parameters) -> Result<Self, SettingError> {
+    pub fn new(parameters: Parameters) -> Result<Self, Problem> {
         parameters.check()?;
         Ok(Self { parameters, ..Self::default() })
     }

@@ -84,7 +84,7 @@ pub use law::SixMode;
 pub use modes::{Mode, Reason, Situation};
 pub use parameters::{Parameters, Parts, Spacing, Variant};
 
-use ::law::settings::Table;
+use ::law::settings::{Table, in_table};
 use ::law::{Descriptor, GapPolicy};
 
 const TABLE: Table = Table::of::<Parameters>("six_mode");
@@ -104,6 +104,6 @@ pub static SIX_MODE: Descriptor = Descriptor {
         let parameters: Parameters = reader.table(TABLE.name)?;
         reader.without(TABLE.name, &parameters.unused());
         let law = SixMode::new(parameters);
-        Ok(Box::new(law.map_err(|error| error.in_table("controller.six_mode"))?))
+        Ok(Box::new(law.map_err(|error| in_table(error, "controller.six_mode"))?))
     },
 };

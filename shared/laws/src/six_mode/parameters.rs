@@ -13,10 +13,11 @@
 //! collision.
 
 use parameters::{Table as _, parameters};
+use scenario::Problem;
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use law::settings::{SettingError, Settings, below};
+use law::settings::{Settings, below};
 
 /// The paper's acceleration below the set speed and in the accelerate mode, m/s².
 const PAPER_ACCELERATION_MPS2: f64 = 1.0;
@@ -194,7 +195,7 @@ impl Parameters {
 }
 
 impl Settings for Parameters {
-    fn check_together(&self) -> Result<(), SettingError> {
+    fn check_together(&self) -> Result<(), Problem> {
         let (lead, threshold) = (self.lead_braking_mps2, self.approach_threshold_mps);
         below("braking_mps2", self.braking_mps2, "lead_braking_mps2", lead)?;
         below("steady_band_mps", self.steady_band_mps, "approach_threshold_mps", threshold)?;
@@ -217,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_bad_value_names_its_key() {
-        let bad = |p: Parameters| p.check().expect_err("must be refused").key().to_owned();
+        let bad = |p: Parameters| p.check().expect_err("must be refused").path;
         let base = Parameters::default();
         assert_eq!(bad(Parameters { braking_mps2: -4.0, ..base.clone() }), "braking_mps2");
         assert_eq!(bad(Parameters { braking_mps2: 9.0, ..base.clone() }), "braking_mps2");

@@ -166,9 +166,9 @@ fn hostile_files_are_refused_with_a_reason() {
     let far = changed(|v| v["design"]["rules"][0]["ac"][0][0] = json!(1e300));
     assert_eq!(far, Err(DesignError::Number(1e300)));
     let far = changed(|v| v["design"]["parameters"]["sample_time_s"] = json!(1e300));
-    assert!(matches!(far, Err(DesignError::Parameter(e)) if e.key() == "sample_time_s"));
+    assert!(matches!(far, Err(DesignError::Parameter(e)) if e.path == "sample_time_s"));
     let many = changed(|v| v["design"]["parameters"]["start_set"] = json!(vec![[0.0; 4]; 17]));
-    assert!(matches!(many, Err(DesignError::Parameter(e)) if e.key() == "start_set (count)"));
+    assert!(matches!(many, Err(DesignError::Parameter(e)) if e.path == "start_set (count)"));
     let unknown = changed(|v| v["design"]["gain"] = json!(1.0));
     assert!(matches!(unknown, Err(DesignError::Syntax(_))));
     let version = changed(|v| v["format"] = json!("timegap quadratic-bounded design 2"));

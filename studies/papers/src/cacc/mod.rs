@@ -16,7 +16,6 @@ pub use recording::{Recording, Runs, Seen};
 use super::page::over_time;
 use super::row::Row;
 use super::runner::{Driven, Gallery, Part, Pictures, Piece, Runner};
-use controller::laws::cacc::weights::{Weights, set};
 use report::chart::{Strip, Tone};
 use scenario::Setting;
 use supervise::Error;
@@ -36,7 +35,10 @@ pub struct Scene {
     pub fitted: Weights,
 }
 
-const FITTED_TO_A: Weights = set(19.5, 29.5, 1.29, 1.16e5, 43.8);
+/// `Q1`, `Q2`, `Q3`, `w` and `d_th` with `R` = 1, in the units of the scenario's keys.
+pub type Weights = [f64; 5];
+
+const FITTED_TO_A: Weights = [19.5, 29.5, 1.29, 1.16e5, 43.8];
 
 pub static SCENES: [Scene; 4] = [
     Scene { name: "A", scenario: "cacc-a", line_m: 80.0, switch_s: 5.0, fitted: FITTED_TO_A },
@@ -46,14 +48,14 @@ pub static SCENES: [Scene; 4] = [
         scenario: "cacc-c",
         line_m: 100.0,
         switch_s: 5.0,
-        fitted: set(1275.0, 9998.0, 0.001, 2.6e7, 306.0),
+        fitted: [1275.0, 9998.0, 0.001, 2.6e7, 306.0],
     },
     Scene {
         name: "T3",
         scenario: "cacc-table3",
         line_m: 58.0,
         switch_s: 10.0,
-        fitted: set(0.988, 0.516, 0.020, 1401.0, 37.5),
+        fitted: [0.988, 0.516, 0.020, 1401.0, 37.5],
     },
 ];
 /// Lead acceleration of Table 3 that goes with the weights fitted to it, m/s².
@@ -146,13 +148,14 @@ impl Set {
 
 /// Settings for weights, and for the lead's acceleration in Table 3.
 pub fn settings(scene: &Scene, weights: &Weights, table_3_lead_mps2: f64) -> Vec<Setting> {
+    let [q1, q2, q3, w, d_th] = *weights;
     let weights = [
-        ("q1", weights.gap_error_per_m2),
-        ("q2", weights.speed_error_s2_per_m2),
-        ("q3", weights.acceleration_s4_per_m2),
-        ("r", weights.request_s4_per_m2),
-        ("light_weight", weights.light_m),
-        ("light_threshold_m", weights.light_threshold_m),
+        ("q1", q1),
+        ("q2", q2),
+        ("q3", q3),
+        ("r", 1.0),
+        ("light_weight", w),
+        ("light_threshold_m", d_th),
     ];
     let lead = Setting::new("actors.0.profile.steps.0.acceleration_mps2", table_3_lead_mps2);
     let setting = |(key, value)| Setting::new(&format!("controller.weights.{key}"), value);

@@ -1,11 +1,81 @@
-//! The law: the follower's request, and the driver's in front of a signal.
+//! `acc-signal-stop`: an ACC that is blind to countdowns, with a driver's signal stop on top.
+//!
+//! It is the rival of `cacc-mpc`. He et al. (2024) name "the former ACC with a decision layer" as the simple way
+//! through signalised intersections. The follower is `acc-mpc`. The layer sees the colour of the nearest signal from a
+//! stated distance, and nothing of the future:
+//!
+//! ```text
+//! seen       the colour, once the line is within sight_m
+//! heeded     the colour seen, once it has been the same for reaction_s
+//! yellow     stop if  v² / (2 (d - margin - tau v)) <= yellow deceleration,  else go on
+//! red        stop, unless it went on through this yellow
+//! green      start, as acc-mpc does
+//! request    min(acc-mpc, driver in front of a standing obstacle at the line)
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `d` | `SignalAhead::distance_m` | m |
+//! | `v` | `Ego::speed_mps` | m/s |
+//! | `tau` | `Config::model_time_constant_s` | s |
+//! | margin | [`SignalStop::stop_margin_m`] | m |
+//!
+//! A silent signal counts as red: a colour is not guessed.
 
-use super::settings::SignalStop;
-use crate::cacc::config::Config;
+use super::cacc::config::Config;
+use super::cacc::{self, Signals};
 use law::following::driver::{Driver, Obstacle};
 use law::following::kinematics::{Lag, Motion};
 use law::following::soft_stop::{Room, soften};
-use law::{Figure, Formulation, Input, Law, Output, Phase, SignalAhead};
+use law::settings::{Settings, Table};
+use law::{Descriptor, Figure, Formulation, GapPolicy, Input, Law, Output, Phase, SignalAhead};
+use parameters::parameters;
+use scenario::schema::Schema;
+use serde::{Deserialize, Serialize};
+
+const TABLE: Table = Table::of::<SignalStop>("signal_stop");
+
+/// The law as data.
+pub static ACC_SIGNAL_STOP: Descriptor = Descriptor {
+    name: "acc-signal-stop",
+    description: "predictive following with a driver's stop for red and yellow, blind to countdowns",
+    source: "He et al. 2024 (ACC with a decision layer); ITE 2020 (reaction, yellow)",
+    table: Some(TABLE),
+    formulations: &[&FORMULATION],
+    formulation: |_| &FORMULATION,
+    gap: GapPolicy::Scenario(cacc::desired_gap),
+    measured_target: false,
+    trucks_alone: false,
+    // Its modes and figures are its own: the commands are those of `acc-mpc`.
+    build: |reader| {
+        let settings: SignalStop = reader.table(TABLE.name)?;
+        let (acc, config) = cacc::of(reader, Signals::Ignored)?;
+        Ok(Box::new(StoppingLaw::new(acc, settings, &config)))
+    },
+};
+
+parameters! {
+    /// Settings of the driver who stops at signals; decelerations are positive numbers.
+    #[derive(Serialize, Deserialize, Schema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct SignalStop {
+        /// Distance from the stop line at which the signal's colour is seen, m.
+        sight_m: f64 = 150.0, "m", 10.0..=1000.0,
+            "Source: MUTCD 2009, table 4D-2: a signal shall be visible from 140 m at 45 mph (20 m/s), less below.";
+        /// Time from a change of colour to the driver's response, s.
+        reaction_s: f64 = 1.0, "s", 0.0..=5.0,
+            "Source: ITE (2020), Guidelines for determining traffic signal change and clearance intervals: 1.0 s.";
+        /// Deceleration up to which a yellow or a new red is stopped for; beyond it the drive goes on, m/s².
+        yellow_deceleration_mps2: f64 = 3.05, "m/s²", 0.5..=12.0, "Source: ITE (2020), the same: 10 ft/s².";
+        /// Deceleration that a stop aims at, m/s².
+        stop_deceleration_mps2: f64 = 1.7, "m/s²", 0.2..=12.0,
+            "Chosen: as `cacc-mpc`'s reference driver, so that only the rule differs.";
+        /// Distance of the stop ahead of the line, m.
+        stop_margin_m: f64 = 1.0, "m", 0.3..=20.0, "Chosen: as `cacc-mpc`'s reference driver.";
+    }
+}
+
+impl Settings for SignalStop {}
 
 /// The meaning of the numbers in the output.
 pub static FORMULATION: Formulation = Formulation {
@@ -44,7 +114,7 @@ struct Watched {
 }
 
 /// `acc-mpc` with a driver's signal stop.
-pub(super) struct StoppingLaw {
+struct StoppingLaw {
     acc: Box<dyn Law + Send>,
     settings: SignalStop,
     driver: Driver,
@@ -56,7 +126,7 @@ pub(super) struct StoppingLaw {
 
 impl StoppingLaw {
     /// The layer above `acc`, which was built with `config`.
-    pub(super) fn new(acc: Box<dyn Law + Send>, settings: SignalStop, config: &Config) -> Self {
+    fn new(acc: Box<dyn Law + Send>, settings: SignalStop, config: &Config) -> Self {
         let driver = Driver {
             acceleration_mps2: config.road.acceleration_mps2,
             deceleration_mps2: settings.stop_deceleration_mps2,
@@ -169,7 +239,7 @@ impl Law for StoppingLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cacc::{Signals, build};
+    use crate::cacc::build;
     use law::{Ego, PhaseInterval};
 
     const PERIOD_S: f64 = 0.1;
