@@ -8,7 +8,7 @@
 //! horizon. A change of torque against the present one costs a little. So the torque does not chatter between
 //! levels of the grid.
 
-use super::bounds::SpeedBand;
+use super::bounds::speed_band_mps;
 use super::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, Stage, Values};
 use super::prices::Prices;
 use super::settings::{Keys, Settings};
@@ -52,8 +52,8 @@ impl DynamicProgramming {
     }
 
     fn lay_out(&mut self, request: &PlanRequest) {
-        let band = SpeedBand::of(&self.keys.bounds, request);
-        let wanted = (request.set_speed_mps, band.max_mps);
+        let (min_speed_mps, max_speed_mps) = speed_band_mps(&self.keys.bounds, request);
+        let wanted = (request.set_speed_mps, max_speed_mps);
         if self.laid_out_for != wanted {
             self.laid_out_for = wanted;
             self.prices = Prices::new(&self.truck, request.set_speed_mps);
@@ -62,7 +62,7 @@ impl DynamicProgramming {
         self.grid.set_costs(Costs {
             time_gps: request.time_price * self.prices.time_gps,
             shift_g: self.prices.shift_g,
-            min_speed_mps: band.min_mps,
+            min_speed_mps,
         });
     }
 

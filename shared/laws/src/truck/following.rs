@@ -145,7 +145,7 @@ pub(crate) fn acceleration_mps2(
 /// Behind a braking lead the truck must come to rest behind the lead's own stop. Behind a slower lead it must lose the
 /// difference before the headway falls to a second.
 pub(crate) fn needed_deceleration_mps2(speed_mps: f64, target: &Target) -> f64 {
-    let lead_mps = (speed_mps + target.relative_speed_mps).max(0.0);
+    let lead_mps = target.lead(speed_mps).speed_mps;
     let closing_mps = (-target.relative_speed_mps).max(0.0);
     let room_m = (target.gap_m - LEFT_M - LEFT_S * lead_mps).max(1.0);
     let closing_mps2 = closing_mps * closing_mps / (2.0 * room_m);

@@ -9,8 +9,8 @@
 //! which needs neither root nor division, and no branch. Below, the map's kink at no engine torque, between
 //! the drag and the auxiliaries' torque, is straightened.
 
+use super::bounds::torque_limits_nm;
 use super::settings::BoundKeys;
-use super::torque::torque_limits_nm;
 use truck_model::Truck;
 
 /// Engine speeds at which a gear may be planned with, rpm: full power is reached before the upper one.

@@ -11,13 +11,14 @@
 //! for the limit downhill. The published law has no brakes: it commands engine torque, and warns. The key `brakes`
 //! takes them away.
 
-use super::bounds::{believable, guarded_nm, max_speed_mps, permitted, powertrain};
+use super::bounds::{
+    SpeedKeeper, believable, guarded_nm, limited, max_speed_mps, permitted, powertrain,
+};
 use super::create;
 use super::following::{self, JERKS_MPS3, LastResort, Means, Mode, Spacing};
+use super::prices::{Reference, Speeds, TimePrice};
 use super::settings::{Keys, PlannerKind, REQUESTS_MPS2, Settings};
 use super::target_filter::TargetFilter;
-use super::time_price::{Reference, Speeds, TimePrice};
-use super::torque::{SpeedKeeper, limited};
 use super::tracking::{MapTrust, Tracking};
 use super::{
     BAD_INPUT, CRUISE, FOLLOW, MAP_CONTRADICTS, NO_PLAN, PLAN, PREDICTIVE_MODE, TARGET,
@@ -98,21 +99,6 @@ impl Predictive {
         self.state.price.update(input.period_s, due_s);
     }
 
-    /// Gaps and mode behind the target.
-    fn look_at(&mut self, input: &Input, target: &Target) -> Spacing {
-        let speed_mps = input.ego.speed_mps;
-        let target_mps = (speed_mps + target.relative_speed_mps).max(0.0);
-        let from_m = input.ego.position_m + target.gap_m.max(0.0);
-        let keys = &self.settings.keys.gap;
-        let grade = input
-            .preview
-            .filter(|preview| preview.is_sound() && !self.state.trust.is_lost())
-            .and_then(|preview| preview.mean_grade(from_m, from_m + keys.slope_length_m));
-        let spacing = Spacing::new(keys, speed_mps, target_mps, grade.unwrap_or(0.0));
-        self.state.spacing_mode = spacing.mode(keys, target, self.state.spacing_mode);
-        spacing
-    }
-
     /// The demand behind a target, if the target counts.
     fn behind(
         &mut self,
@@ -121,13 +107,19 @@ impl Predictive {
         target: &Target,
         economic_mps: f64,
     ) -> Option<Demand> {
-        let spacing = self.look_at(input, target);
+        let Settings { truck, keys: Keys { gap, follow: keys, .. } } = &self.settings;
         let speed_mps = input.ego.speed_mps;
-        let target_mps = (speed_mps + target.relative_speed_mps).max(0.0);
-        let keys = &self.settings.keys.follow;
+        let target_mps = target.lead(speed_mps).speed_mps;
+        let from_m = input.ego.position_m + target.gap_m.max(0.0);
+        let grade = input
+            .preview
+            .filter(|preview| preview.is_sound() && !self.state.trust.is_lost())
+            .and_then(|preview| preview.mean_grade(from_m, from_m + gap.slope_length_m));
+        let spacing = Spacing::new(gap, speed_mps, target_mps, grade.unwrap_or(0.0));
+        let mode = spacing.mode(gap, target, self.state.spacing_mode);
+        self.state.spacing_mode = mode;
         let aim_mps =
             following::target_speed_mps(keys, economic_mps, target_mps, &spacing, target.gap_m);
-        let mode = self.state.spacing_mode;
         let means = self.state.last_resort.update(keys, mode, speed_mps, &spacing, target);
         if means == Means::Engine && mode == Mode::Predictive && aim_mps >= economic_mps {
             return None;
@@ -141,7 +133,6 @@ impl Predictive {
             Means::ServiceBrake(least_mps2) => least_mps2.min(eased),
             Means::Engine | Means::EngineBrake => eased,
         };
-        let truck = &self.settings.truck;
         let gear = powertrain.gear;
         let mut demand =
             Demand::for_acceleration(truck, acceleration_mps2, speed_mps, gear, powertrain.grade);
@@ -250,9 +241,14 @@ impl Law for Predictive {
                     if self.state.mode >= FOLLOW { TARGET_GONE } else { PLAN },
                 );
                 Demand {
-                    engine_torque_nm: guarded_nm(&self.settings, input, &powertrain, &guidance),
+                    engine_torque_nm: guarded_nm(
+                        &self.settings,
+                        input,
+                        &powertrain,
+                        guidance.segment.engine_torque_nm,
+                    ),
                     service_brake_n: 0.0,
-                    gear: guidance.gear,
+                    gear: guidance.segment.gear,
                 }
             }
             (None, None) => {

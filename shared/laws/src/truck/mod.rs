@@ -18,10 +18,10 @@
 //! |---|---|---|
 //! | every symbol as a key | | `settings` |
 //! | road classes, reconstruction | steps 1, 2 | `road_classes` |
-//! | bounds | step 3 | `bounds`, `torque` |
+//! | bounds | step 3 | `bounds` |
 //! | rolling optimisation, n = 2 | steps 3 to 6 | `paper_n2` |
 //! | dynamic programming | the better planner | `dynamic_programming`, `energy_grid`, `gear_curve` |
-//! | servo of the mean speed | beta | `time_price` |
+//! | prices, servo of the mean speed | beta, gamma | `prices` |
 //! | gap, modes, accelerations, brakes | (14) to (18) | `following` |
 //! | radar filter | | `target_filter` |
 
@@ -36,23 +36,19 @@ mod prices;
 mod road_classes;
 mod settings;
 mod target_filter;
-mod time_price;
-mod torque;
 mod tracking;
 
-pub use bounds::{SpeedBand, max_speed_mps, min_speed_mps};
+pub use bounds::{SpeedKeeper, limited, max_speed_mps, min_speed_mps, speed_band_mps};
 pub use dynamic_programming::DynamicProgramming;
 pub use following::Spacing;
 pub use law::Predictive;
 pub use paper_n2::PaperN2;
-pub use prices::Prices;
+pub use prices::{Prices, Reference, Speeds};
 pub use road_classes::{LimitGrades, Reconstruction};
 pub use settings::{
     BoundKeys, Brakes, FilterKeys, FollowKeys, GapKeys, Keys, PlanKeys, PlannerKind, RoadKeys,
     Settings, TruckKeys,
 };
-pub use time_price::{Reference, Speeds};
-pub use torque::{SpeedKeeper, limited};
 
 use ::law::settings::Table;
 use ::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Plan, PlanRequest, Planner, Reader};

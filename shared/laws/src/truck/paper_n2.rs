@@ -8,11 +8,10 @@
 //! tried for each of those before it. The class of the road trims the first torque. K over a segment is the closed form
 //! (4), time over it Simpson's rule.
 
-use super::bounds::SpeedBand;
+use super::bounds::{speed_band_mps, torque_bounds_nm, torque_limits_nm};
 use super::prices::Prices;
 use super::road_classes::{Class, LimitGrades, MOST_SEGMENTS, Reconstruction, Stretch};
 use super::settings::{Keys, Settings};
-use super::torque::{torque_bounds_nm, torque_limits_nm};
 use law::{Plan, PlanRequest, Planner};
 use truck_model::Truck;
 
@@ -127,7 +126,7 @@ type Way = [(f64, f64); MOST_SEGMENTS];
 impl<'a> Search<'a> {
     fn new(truck: &'a Truck, keys: &'a Keys, prices: &Prices, request: &'a PlanRequest) -> Self {
         let rpm = truck.engine_rpm(request.speed_mps, request.gear);
-        let band = SpeedBand::of(&keys.bounds, request);
+        let (min_mps, max_mps) = speed_band_mps(&keys.bounds, request);
         Self {
             truck,
             keys,
@@ -137,8 +136,8 @@ impl<'a> Search<'a> {
             terminal_square: keys.plan.terminal_square.unwrap_or(TERMINAL_SQUARE),
             auxiliary_nm: truck.auxiliary_torque_nm(rpm),
             set_j: truck.kinetic_energy_j(request.set_speed_mps),
-            min_j: truck.kinetic_energy_j(band.min_mps),
-            max_j: truck.kinetic_energy_j(band.max_mps),
+            min_j: truck.kinetic_energy_j(min_mps),
+            max_j: truck.kinetic_energy_j(max_mps),
             crawling_j: truck.kinetic_energy_j(CRAWLING_MPS),
         }
     }

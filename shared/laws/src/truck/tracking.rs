@@ -1,11 +1,11 @@
 //! The plan in hand: where the truck is in it, when it must be made anew, when it is stale, and whether its map is
 //! trusted.
 //!
-//! The torque of the first segment is held to its end. A new plan is asked for there, at a gear change, and
-//! when the set speed changes. It is asked for when the speed is too far off. Until it arrives, the plan in hand goes on, into its later segments if need be. Beyond its end, or far off it,
-//! there is no plan.
+//! The torque of the first segment is held to its end. A new plan is asked for there, at a gear change, when the set speed
+//! changes, and when the speed is too far off. Until it arrives, the plan in hand goes on, into its later segments if
+//! need be. Beyond its end, or far off it, there is no plan.
 
-use law::{Input, Plan, PlanRequest, Powertrain, Preview};
+use law::{Input, Plan, PlanRequest, Powertrain, Preview, Segment};
 
 /// Deviation from the plan's speed that asks for a new plan, m/s. Inferred; half and double changed no figure.
 const REPLAN_MPS: f64 = 0.6;
@@ -33,10 +33,7 @@ pub(crate) struct Tracking {
 /// The plan at the truck's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guidance {
-    /// Torque at the crankshaft, N m.
-    pub(crate) engine_torque_nm: f64,
-    /// Gear; `None` leaves it to the gearbox.
-    pub(crate) gear: Option<usize>,
+    pub(crate) segment: Segment,
     /// Planned speed here, m/s.
     pub(crate) speed_mps: f64,
     pub(crate) index: usize,
@@ -71,13 +68,7 @@ impl Tracking {
         let age_s = input.time_s - self.plan.time_s;
         let stale =
             (speed_mps - input.ego.speed_mps).abs() > STALE_MPS || !(0.0..STALE_S).contains(&age_s);
-        let segment = &self.plan.segments[index];
-        (!stale).then_some(Guidance {
-            engine_torque_nm: segment.engine_torque_nm,
-            gear: segment.gear,
-            speed_mps,
-            index,
-        })
+        (!stale).then_some(Guidance { segment: self.plan.segments[index], speed_mps, index })
     }
 
     /// Requests a new plan at a price of time, if the plan in hand does not hold.

@@ -3,7 +3,7 @@
 use crate::roads::{SET_MPS, generated};
 use controller::law::{Plan, PlanRequest};
 use controller::laws::truck::{
-    BoundKeys, Keys, PlanKeys, PlannerKind, Settings, SpeedBand, create,
+    BoundKeys, Keys, PlanKeys, PlannerKind, Settings, create, speed_band_mps,
 };
 use proptest::prelude::*;
 use truck_model::{Preset, Truck};
@@ -174,7 +174,7 @@ proptest! {
             for segment in &plan.segments[..plan.len] {
                 prop_assert!(segment.end_m > start_m && segment.engine_torque_nm.is_finite());
                 let speed_mps = (2.0 * segment.end_speed2_half).sqrt();
-                prop_assert!(speed_mps <= SpeedBand::of(&BoundKeys::default(), &request).max_mps + 1e-6, "{speed_mps}");
+                prop_assert!(speed_mps <= speed_band_mps(&BoundKeys::default(), &request).1 + 1e-6, "{speed_mps}");
                 prop_assert!(speed_mps > 7.0, "{speed_mps}");
                 prop_assert!(segment.gear.is_none_or(|gear| gear < 6));
                 start_m = segment.end_m;
