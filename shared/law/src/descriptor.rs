@@ -19,7 +19,6 @@ pub struct Descriptor {
     pub name: &'static str,
     /// Summary in one line.
     pub description: &'static str,
-    /// Publication.
     pub source: &'static str,
     /// Its table below `[controller]`, if it has one.
     pub table: Option<Table>,

@@ -47,14 +47,12 @@ pub trait Hosted {
         output: &mut Output,
     ) -> Result<(), HostedError>;
 
-    /// Record of the program's answers.
     fn report(&self) -> ProgramReport;
 }
 
 /// Counts of the host of a foreign law's program.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProgramReport {
-    /// Times that it was started.
     pub starts: u64,
     /// Questions that it answered in time.
     pub answers: u64,

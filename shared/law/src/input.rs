@@ -71,7 +71,6 @@ pub enum Phase {
 /// One announced interval of a signal program.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PhaseInterval {
-    /// Phase shown during the interval.
     pub phase: Phase,
     /// Time from the release until the interval ends, s.
     pub ends_in_s: f64,
@@ -86,7 +85,6 @@ pub struct SignalAhead {
     pub distance_m: f64,
     /// Current and next intervals, in order of time; `count` of them are valid.
     pub intervals: [PhaseInterval; MAX_PHASES],
-    /// Number of valid entries in `intervals`.
     pub count: usize,
     /// Likely end of the shown phase, s from the release, if its announced bounds differ; infinite if it is not known,
     /// and 0 otherwise. `intervals` have the earliest end of a green or yellow and the latest of a red.
@@ -100,7 +98,6 @@ pub struct Powertrain {
     pub gear: usize,
     /// Time since the last shift began, s.
     pub since_shift_s: f64,
-    /// Torque at the crankshaft, N m.
     pub engine_torque_nm: f64,
     /// The vehicle's own estimate of the grade under it (rise over run).
     pub grade: f64,
@@ -111,7 +108,6 @@ pub struct Powertrain {
 pub struct Input {
     /// Time of the release since the start of the run, s.
     pub time_s: f64,
-    /// Control period, s.
     pub period_s: f64,
     pub ego: Ego,
     /// In-path target, if the radar has one.
@@ -147,6 +143,13 @@ impl Input {
     /// The speed to drive without a target, m/s: the set speed within the limit.
     pub fn wanted_speed_mps(&self) -> f64 {
         self.set_speed_mps.min(self.speed_limit_mps).max(0.0)
+    }
+
+    /// The input with a speed that is not negative and a set speed within the limit, if a road vehicle can have it.
+    pub fn sound(&self) -> Option<Self> {
+        let ego = Ego { speed_mps: self.ego.speed_mps.max(0.0), ..self.ego };
+        let set_speed_mps = self.wanted_speed_mps();
+        self.is_plausible().then_some(Self { ego, set_speed_mps, ..*self })
     }
 
     /// Period, speeds, acceleration and gap are numbers that a road vehicle can have.

@@ -5,10 +5,8 @@
 
 use super::preview::Preview;
 
-/// Most segments of a plan.
 pub const MAX_SEGMENTS: usize = 24;
 
-/// A question to a planner.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanRequest {
     /// Number of the request; the plan carries it back.
@@ -18,15 +16,12 @@ pub struct PlanRequest {
     pub speed_mps: f64,
     /// Gear, counted from 0.
     pub gear: usize,
-    /// Torque at the crankshaft, N m.
     pub engine_torque_nm: f64,
-    /// Driver's set speed, m/s.
     pub set_speed_mps: f64,
     /// Legal limit, m/s (infinite when unknown).
     pub speed_limit_mps: f64,
     /// Price of time relative to the one of the flat, beta / beta_0.
     pub time_price: f64,
-    /// The road ahead.
     pub preview: Preview,
 }
 
@@ -34,7 +29,6 @@ pub struct PlanRequest {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Segment {
     pub end_m: f64,
-    /// Torque at the crankshaft, N m.
     pub engine_torque_nm: f64,
     /// Gear, counted from 0; `None` leaves it to the gearbox.
     pub gear: Option<usize>,
@@ -71,7 +65,6 @@ impl Plan {
         self.binding = 0;
     }
 
-    /// Appends a segment.
     pub fn push(&mut self, end_m: f64, engine_torque_nm: f64, gear: Option<usize>, speed_mps: f64) {
         let end_speed2_half = 0.5 * speed_mps * speed_mps;
         self.segments[self.len] = Segment { end_m, engine_torque_nm, gear, end_speed2_half };
@@ -98,7 +91,6 @@ impl Plan {
         (2.0 * (start + share * (segment.end_speed2_half - start))).max(0.0).sqrt()
     }
 
-    /// Planned acceleration in segment `index`, m/s².
     pub fn acceleration_mps2(&self, index: usize) -> f64 {
         let (start_m, start) = self.start_of(index);
         let segment = &self.segments[index];

@@ -13,7 +13,6 @@ pub struct Preview {
     pub cell_m: f64,
     /// Mean grade (rise over run) of each cell; `count` of them are valid.
     pub grades: [f64; MAX_CELLS],
-    /// Number of valid entries of `grades`.
     pub count: usize,
 }
 

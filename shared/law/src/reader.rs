@@ -65,7 +65,6 @@ impl<'a> Reader<'a> {
         Ok(settings)
     }
 
-    /// The ego vehicle.
     pub fn plant(&self) -> &'a Plant {
         &self.scenario.plant
     }
@@ -85,7 +84,6 @@ impl<'a> Reader<'a> {
         self.scenario
     }
 
-    /// The keys that were read.
     pub fn reads(self) -> Reads {
         self.reads.into_inner()
     }

@@ -19,7 +19,6 @@ pub trait Settings: parameters::Table + Default + DeserializeOwned + Schema + Se
         Ok(())
     }
 
-    /// Checks every value.
     fn check(&self) -> Result<(), Problem> {
         self.numbers().iter().try_for_each(Number::check)?;
         self.check_together()

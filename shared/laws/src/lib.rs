@@ -7,7 +7,6 @@
 //! A law uses the contract, the solver and the model of its vehicle. It has neither a clock nor a message.
 
 pub mod cacc;
-mod checked;
 pub mod quadratic_bounded;
 pub mod signal_stop;
 pub mod six_mode;

@@ -35,7 +35,6 @@ use serde::{Deserialize, Serialize};
 
 const TABLE: Table = Table::of::<SignalStop>("signal_stop");
 
-/// The law as data.
 pub static ACC_SIGNAL_STOP: Descriptor = Descriptor {
     name: "acc-signal-stop",
     description: "predictive following with a driver's stop for red and yellow, blind to countdowns",
@@ -77,7 +76,6 @@ parameters! {
 
 impl Settings for SignalStop {}
 
-/// The meaning of the numbers in the output.
 pub static FORMULATION: Formulation = Formulation {
     name: "signal-stop",
     caution: None,

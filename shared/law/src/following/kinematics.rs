@@ -14,7 +14,6 @@
 //! | `a` | [`Motion::acceleration_mps2`] | m/s² |
 //! | `tau` | [`Lag::tau_s`] | s |
 
-/// Position, speed and acceleration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     pub position_m: f64,
@@ -25,9 +24,7 @@ pub struct Motion {
 /// Time and place at which a braking vehicle stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Time until it stands, s.
     pub time_s: f64,
-    /// Distance until it stands, m.
     pub distance_m: f64,
 }
 

@@ -97,7 +97,6 @@ pub struct SafeGap {
     pub min_mps2: f64,
     /// Comfortable braking, m/s² (negative).
     pub comfort_mps2: f64,
-    /// Smallest gap that is accepted, m.
     pub min_gap_m: f64,
     /// Hardest assumed deceleration of the vehicle ahead, m/s².
     pub lead_deceleration_mps2: f64,

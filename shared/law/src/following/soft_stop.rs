@@ -29,7 +29,6 @@ pub struct Room {
 }
 
 impl Room {
-    /// Nothing ahead.
     pub const FREE: Self = Self { wanted_m: f64::INFINITY, spare_m: 0.0 };
 }
 

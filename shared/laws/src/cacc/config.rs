@@ -95,7 +95,6 @@ impl Config {
         }
     }
 
-    /// The settings of the formulation for the road.
     pub fn of_road(reader: &Reader<'_>) -> Result<Self, Problem> {
         let road = reader.table(TABLE.name)?;
         Ok(Self { road, ..Self::shared(reader) }.at_standstill())

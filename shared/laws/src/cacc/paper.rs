@@ -43,7 +43,6 @@ use scenario::quantity::Weight;
 
 use super::config::Config;
 use super::plan::PlanMemory;
-use law::following::driver::Obstacle;
 use law::{Figure, Formulation, Input, Law, MAX_PLAN, Output, Phase, Quality, SignalAhead, Target};
 
 /// A plan older than this is not followed any more, s.
@@ -53,7 +52,6 @@ const SWITCH_S: f64 = 1e-6;
 /// Scaled residuals below this count as solved for driving: a tenth of a millimetre, or of a mm/s.
 const USABLE_RESIDUAL: f64 = 1e-4;
 
-/// The meaning of the numbers in the output.
 pub static FORMULATION: Formulation = Formulation {
     name: "paper",
     caution: None,
@@ -182,13 +180,8 @@ impl PaperLaw {
         let Some(target) = &input.target else {
             return driver.free_mps2(speed, desired);
         };
-        let lead = Obstacle {
-            gap_m: target.gap_m,
-            speed_mps: speed + target.relative_speed_mps,
-            acceleration_mps2: target.acceleration_mps2,
-            headway_s: self.config.time_headway_s,
-            standstill_m: self.config.standstill_distance_m,
-        };
+        let Config { time_headway_s, standstill_distance_m, .. } = self.config;
+        let lead = target.lead(speed).obstacle(time_headway_s, standstill_distance_m);
         driver.follow_mps2(speed, desired, &lead)
     }
 

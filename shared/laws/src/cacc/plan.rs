@@ -17,7 +17,6 @@ impl PlanMemory {
         Self { requests: [0.0; MAX_PLAN], len: 0, made_at_s: 0.0, step_s }
     }
 
-    /// Drops the plan.
     pub(super) fn clear(&mut self) {
         self.len = 0;
     }

@@ -53,28 +53,20 @@ pub struct Failure {
 /// Reason why a file is not a usable design.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DesignError {
-    /// The file cannot be read.
     #[error("the design file cannot be read: {0}")]
     Read(String),
-    /// Longer than any design.
     #[error("the design file has {bytes} bytes, more than {LARGEST}")]
-    TooLarge {
-        /// Length of the text.
-        bytes: usize,
-    },
+    TooLarge { bytes: usize },
     /// Not JSON of the right shape; the message has line and column.
     #[error("not a design file: {0}")]
     Syntax(String),
     /// Another format or version, as found.
     #[error("format {0:?}: expected {FORMAT:?}")]
     Format(String),
-    /// A parameter outside its range.
     #[error("design parameter {}, expected {}", .0.message, .0.expected)]
     Parameter(Problem),
-    /// A number too large to compute with.
     #[error("number {0:e} in the design: expected at most 1e9")]
     Number(f64),
-    /// The certificate fails.
     #[error("the certificate fails: {0}")]
     Condition(#[from] Failure),
     /// The numbers are not those that were certified, though they pass.

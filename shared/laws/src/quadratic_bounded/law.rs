@@ -5,7 +5,6 @@ use super::envelope::{self, Envelope};
 use super::model::State;
 use super::printed;
 use super::{GainSource, Settings};
-use crate::checked::Checked;
 use law::settings;
 use law::{Ego, Input, Law, Output, Quality, Target};
 use nalgebra::{SMatrix, SVector};
@@ -72,13 +71,11 @@ struct Memory {
 }
 
 impl QuadraticBounded {
-    /// A law with a verified design.
     pub fn new(design: Design, settings: Settings) -> Result<Self, Problem> {
         settings::Settings::check(&settings)?;
         Ok(Self { design, settings, memory: Memory::default() })
     }
 
-    /// The design behind the law.
     pub fn design(&self) -> &Design {
         &self.design
     }
@@ -89,9 +86,9 @@ impl QuadraticBounded {
     }
 
     /// One sample of the increment law.
-    fn update(&mut self, input: &Checked, too_slow: bool) {
+    fn update(&mut self, input: &Input, too_slow: bool) {
         let p = self.design.parameters();
-        let Checked { ego, target, set_speed_mps, .. } = *input;
+        let Input { ego, target, set_speed_mps, .. } = *input;
         let (speed, acceleration) = (ego.speed_mps, ego.acceleration_mps2);
         if !self.memory.started {
             self.memory.started = true;
@@ -175,9 +172,9 @@ impl QuadraticBounded {
     }
 
     /// One sample of the fall-back.
-    fn fall_back(&mut self, input: &Checked, excess: f64) {
+    fn fall_back(&mut self, input: &Input, excess: f64) {
         let p = self.design.parameters();
-        let Checked { ego: Ego { speed_mps, acceleration_mps2, .. }, set_speed_mps, .. } = *input;
+        let Input { ego: Ego { speed_mps, acceleration_mps2, .. }, set_speed_mps, .. } = *input;
         let braking_mps2 = self.settings.fall_back_braking_mps2;
         let ego = input.ego.motion();
         let target = input.target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
@@ -282,7 +279,7 @@ impl Law for QuadraticBounded {
         let sample_time = self.design.parameters().sample_time_s;
         // A lead that accelerates as no vehicle can is no input.
         let is_one = |lead: Target| (-50.0..=50.0).contains(&lead.acceleration_mps2);
-        match Checked::of(input).filter(|checked| checked.target.is_none_or(is_one)) {
+        match input.sound().filter(|checked| checked.target.is_none_or(is_one)) {
             None => self.blind(),
             Some(checked) => {
                 if self.memory.wait_s <= EARLY * sample_time {

@@ -97,7 +97,6 @@ use serde::{Deserialize, Serialize};
 
 const TABLE: Table = Table::of::<Settings>("quadratic_bounded");
 
-/// The law as data.
 pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
     name: "quadratic-bounded",
     description: "output feedback with a proven invariant ellipsoid (Gao et al. 2015)",

@@ -68,7 +68,6 @@ parameters! {
 }
 
 impl Parameters {
-    /// Checks every value.
     pub fn check(&self) -> Result<(), Problem> {
         Number::of("", self).iter().try_for_each(Number::check)?;
         within("greatest_speed_mps", self.greatest_speed_mps, self.least_speed_mps + 1e-3, 150.0)?;

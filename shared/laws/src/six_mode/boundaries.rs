@@ -20,7 +20,6 @@ pub struct Boundaries {
 }
 
 impl Boundaries {
-    /// The boundaries of the variant that is set.
     pub fn of(p: &Parameters, speed: f64, relative: f64) -> Self {
         match p.variant {
             Variant::Literal => Self::literal(p, speed, relative),

@@ -40,7 +40,6 @@ use super::boundaries::Boundaries;
 use super::modes::Situation;
 use super::parameters::{Parameters, Parts, Variant};
 
-/// Number of parts.
 pub const PARTS: usize = 8;
 
 /// Levels of the parts from right to left, m/s².

@@ -12,7 +12,6 @@ pub(super) struct TargetFilter {
 }
 
 impl TargetFilter {
-    /// Drops the target.
     pub(super) fn clear(&mut self) {
         self.track = None;
     }

@@ -7,7 +7,6 @@ use super::filter::TargetFilter;
 use super::modes::{self, Mode, Reason, Situation};
 use super::parameters::{Parameters, Spacing, Variant};
 use super::requests;
-use crate::checked::Checked;
 use law::following::soft_stop::{Room, soften, within_set_speed};
 use law::settings::Settings as _;
 use law::{Ego, Figure, Formulation, Input, Law, Output, Quality};
@@ -22,7 +21,6 @@ const BLIND_PERIOD: f64 = 0.1;
 /// Largest distance shown among the figures, m: the literal R_j has a pole.
 const FARTHEST: f64 = 1e6;
 
-/// The meaning of the numbers in the output.
 pub(super) static FORMULATION: Formulation = Formulation {
     name: "six modes",
     caution: None,
@@ -56,7 +54,6 @@ pub struct SixMode {
 }
 
 impl SixMode {
-    /// A law with the given parameters.
     pub fn new(parameters: Parameters) -> Result<Self, Problem> {
         parameters.check()?;
         Ok(Self { parameters, ..Self::default() })
@@ -82,7 +79,7 @@ impl SixMode {
     }
 
     /// The target, if it is within range, as the law sees it.
-    fn observe(&mut self, input: &Checked) -> Option<Situation> {
+    fn observe(&mut self, input: &Input) -> Option<Situation> {
         let robust = self.robust();
         let p = &self.parameters;
         let Some(target) = &input.target else {
@@ -103,7 +100,7 @@ impl SixMode {
     fn decide(
         &mut self,
         cruise: f64,
-        input: &Checked,
+        input: &Input,
         seen: Option<(Situation, Boundaries)>,
     ) -> Option<f64> {
         let p = &self.parameters;
@@ -151,13 +148,13 @@ impl SixMode {
         }
     }
 
-    fn behind(&self, input: &Checked, s: &Situation) -> Behind<'_> {
+    fn behind(&self, input: &Input, s: &Situation) -> Behind<'_> {
         let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
         Behind::new(&self.parameters, s, &input.ego, target_mps2, input.period_s)
     }
 
     /// The demand as hard as needed, in the avoid mode and below; the paper's spacing brakes fully.
-    fn grade(&self, demand: f64, cruise: f64, input: &Checked, s: &Situation) -> f64 {
+    fn grade(&self, demand: f64, cruise: f64, input: &Input, s: &Situation) -> f64 {
         if !self.has_graded_braking() {
             return demand;
         }
@@ -224,7 +221,7 @@ impl Law for SixMode {
 
     fn step(&mut self, input: &Input, output: &mut Output) {
         *output = Output::default();
-        if let Some(input) = Checked::of(input) {
+        if let Some(input) = input.sound() {
             let seen = self.observe(&input);
             let seen = seen.map(|s| {
                 let p = &self.parameters;

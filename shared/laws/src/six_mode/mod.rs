@@ -89,7 +89,6 @@ use ::law::{Descriptor, GapPolicy};
 
 const TABLE: Table = Table::of::<Parameters>("six_mode");
 
-/// The law as data.
 pub static SIX_MODE: Descriptor = Descriptor {
     name: "six-mode",
     description: "six switched modes (Wang et al. 2014)",

@@ -49,7 +49,6 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Names, in the order of the reasons.
     pub const NAMES: &[&str] = &[
         "none",
         "no target in range",

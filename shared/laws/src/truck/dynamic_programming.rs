@@ -37,7 +37,6 @@ pub struct DynamicProgramming {
 }
 
 impl DynamicProgramming {
-    /// A planner of these settings.
     pub fn new(settings: &Settings) -> Self {
         let Settings { truck, keys, .. } = settings;
         let values = || [(); PLANNED_GEARS].map(|()| vec![0.0; NODES]);
@@ -195,7 +194,6 @@ impl PlanSteps {
         steps
     }
 
-    /// Their number.
     fn len(&self) -> usize {
         self.len
     }

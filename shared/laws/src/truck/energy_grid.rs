@@ -28,9 +28,7 @@ pub const NEVER: f64 = 1e18;
 pub struct Costs {
     /// beta, g/s.
     pub time_gps: f64,
-    /// Cost of one shift, g.
     pub shift_g: f64,
-    /// The lowest desired speed, m/s.
     pub min_speed_mps: f64,
 }
 
@@ -125,7 +123,6 @@ impl EnergyGrid {
         }
     }
 
-    /// Number of nodes.
     #[expect(clippy::len_without_is_empty, reason = "a grid has nodes")]
     pub fn len(&self) -> usize {
         self.energy_j.len()
@@ -141,7 +138,6 @@ impl EnergyGrid {
         (self.energy_j[0], self.energy_j[self.len() - 1])
     }
 
-    /// A step of the road.
     pub fn stage(&self, length_m: f64, grade: f64) -> Stage {
         Stage { length_m, road_n: self.truck.road_resistance_n(grade) }
     }

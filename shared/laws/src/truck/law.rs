@@ -80,7 +80,6 @@ impl State {
 }
 
 impl Predictive {
-    /// A law of these settings.
     pub fn new(settings: &Settings) -> Self {
         Self { settings: *settings, state: State::new(&settings.keys) }
     }

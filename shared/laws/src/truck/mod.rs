@@ -57,7 +57,6 @@ use truck_model::{Preset, Truck};
 
 const TABLE: Table = Table::of::<Keys>("predictive");
 
-/// The law as data.
 pub static PREDICTIVE: Descriptor = Descriptor {
     name: "predictive",
     description: "predictive cruise of a heavy truck over hills (Li, Zheng, Wang, Wang)",
@@ -71,7 +70,6 @@ pub static PREDICTIVE: Descriptor = Descriptor {
     build,
 };
 
-/// The meaning of the numbers in the output.
 static FORMULATION: Formulation = Formulation {
     name: "truck",
     caution: None,

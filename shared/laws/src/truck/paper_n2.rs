@@ -40,10 +40,10 @@ pub struct PaperN2 {
     /// Set speed that prices and limits belong to.
     set_speed_mps: f64,
     road: Reconstruction,
+    segments: Vec<Stretch>,
 }
 
 impl PaperN2 {
-    /// A planner of these settings.
     pub fn new(settings: &Settings) -> Self {
         Self {
             truck: settings.truck,
@@ -52,6 +52,7 @@ impl PaperN2 {
             limits: LimitGrades::default(),
             set_speed_mps: 0.0,
             road: Reconstruction::new(&settings.keys.road),
+            segments: Vec::with_capacity(MOST_SEGMENTS),
         }
     }
 }
@@ -65,14 +66,16 @@ impl Planner for PaperN2 {
             self.limits = LimitGrades::new(&self.truck, &self.keys.road, request.set_speed_mps);
         }
         self.road.rebuild(&request.preview, request.position_m, &self.limits);
-        let (segments, count) = self.road.segments(self.keys.plan.segments as usize);
-        if count == 0 || request.speed_mps < CRAWLING_MPS {
+        let wanted = MOST_SEGMENTS.min(self.keys.plan.segments as usize);
+        self.segments.clear();
+        self.segments.extend(self.road.segments().take(wanted));
+        if self.segments.is_empty() || request.speed_mps < CRAWLING_MPS {
             return false;
         }
         let search = Search::new(&self.truck, &self.keys, &self.prices, request);
-        let Some(best) = search.best(&segments[..count]) else { return false };
+        let Some(best) = search.best(&self.segments) else { return false };
         let mut end_m = request.position_m;
-        for (segment, (torque_nm, speed_mps)) in segments[..count].iter().zip(best) {
+        for (segment, (torque_nm, speed_mps)) in self.segments.iter().zip(best) {
             end_m += segment.length_m;
             plan.push(end_m, torque_nm + search.auxiliary_nm, None, speed_mps);
         }

@@ -98,7 +98,6 @@ impl TimePrice {
         (self.initial + PROPORTIONAL_PER_S * self.lag_s + self.integral).clamp(RANGE.0, RANGE.1)
     }
 
-    /// Lateness of the truck, s.
     pub fn lag_s(&self) -> f64 {
         self.lag_s
     }
@@ -111,9 +110,7 @@ const STEP_M: f64 = 5.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speeds {
-    /// That it keeps.
     pub set_mps: f64,
-    /// At which it brakes.
     pub limit_mps: f64,
     /// With which it starts: the real truck's.
     pub start_mps: f64,

@@ -13,12 +13,9 @@ use super::settings::RoadKeys;
 use law::{MAX_CELLS, Preview};
 use truck_model::{GEARS, GRAVITY_MPS2, Truck};
 
-/// Length of a cell, m.
 const CELL_M: f64 = 50.0;
 /// Cells whose median class counts, the middle one's: pieces of 150 m are a majority of them.
 const MEDIAN_CELLS: usize = 5;
-/// Most cells that are looked at.
-const CELLS: usize = MAX_CELLS;
 
 /// Stretches shorter than this join a neighbour, m. Inferred, as the next two: half and double changed no figure.
 const SHORTEST_M: f64 = 150.0;
@@ -26,7 +23,6 @@ const SHORTEST_M: f64 = 150.0;
 const LEAD_IN_M: f64 = 450.0;
 const LONGEST_M: f64 = 600.0;
 
-/// Most segments that are planned.
 pub const MOST_SEGMENTS: usize = 3;
 
 /// Effect of a slope on a truck at its set speed.
@@ -34,7 +30,6 @@ pub const MOST_SEGMENTS: usize = 3;
 pub enum Class {
     /// Steeper than drag holds: it runs away.
     Downhill,
-    /// Neither.
     #[default]
     Level,
     /// Steeper than full load holds: it falls back.
@@ -92,30 +87,26 @@ impl Stretch {
     }
 }
 
-/// The reconstructed road ahead. Fixed storage: nothing is allocated.
+/// The reconstructed road ahead; it allocates when it is made.
 #[derive(Clone, Debug)]
 pub struct Reconstruction {
     keys: RoadKeys,
-    stretches: [Stretch; CELLS],
-    len: usize,
+    stretches: Vec<Stretch>,
 }
 
 impl Reconstruction {
-    /// No road yet.
     pub fn new(keys: &RoadKeys) -> Self {
-        Self { keys: *keys, stretches: [Stretch::default(); CELLS], len: 0 }
+        Self { keys: *keys, stretches: Vec::with_capacity(MAX_CELLS) }
     }
 
     /// Reconstructs the road from `position_m` on, as far as the preview and the horizon reach.
     pub fn rebuild(&mut self, preview: &Preview, position_m: f64, limits: &LimitGrades) {
-        self.len = 0;
-        let cells = ((self.keys.horizon_m / CELL_M) as usize).min(CELLS);
+        self.stretches.clear();
+        let cells = ((self.keys.horizon_m / CELL_M) as usize).min(MAX_CELLS);
         for cell in 0..cells {
             let from_m = position_m + CELL_M * cell as f64;
             let Some(grade) = preview.mean_grade(from_m, from_m + CELL_M) else { break };
-            self.stretches[self.len] =
-                Stretch { length_m: CELL_M, grade, class: limits.class(grade) };
-            self.len += 1;
+            self.stretches.push(Stretch { length_m: CELL_M, grade, class: limits.class(grade) });
         }
         self.smooth_classes();
         self.merge_equals(limits);
@@ -128,16 +119,13 @@ impl Reconstruction {
 
     /// The stretches, nearest first.
     pub fn stretches(&self) -> &[Stretch] {
-        &self.stretches[..self.len]
+        &self.stretches
     }
 
-    /// The first `wanted` segments to plan and how many there are: lead-ins apart, bodies divided.
-    pub fn segments(&self, wanted: usize) -> ([Stretch; MOST_SEGMENTS], usize) {
-        let wanted = wanted.min(MOST_SEGMENTS);
-        let mut segments = [Stretch::default(); MOST_SEGMENTS];
-        let mut count = 0;
-        for (index, stretch) in self.stretches().iter().enumerate() {
-            let changes = index + 1 < self.len;
+    /// The segments to plan, nearest first: lead-ins apart, bodies divided.
+    pub fn segments(&self) -> impl Iterator<Item = Stretch> {
+        self.stretches.iter().enumerate().flat_map(|(index, stretch)| {
+            let changes = index + 1 < self.stretches.len();
             let lead_in_m = if changes { LEAD_IN_M } else { 0.0 };
             let body_m = stretch.length_m - lead_in_m;
             let (body_m, lead_in_m) = if body_m < 0.5 * LEAD_IN_M {
@@ -147,50 +135,45 @@ impl Reconstruction {
             };
             let pieces = (body_m / LONGEST_M).ceil() as usize;
             let bodies = core::iter::repeat_n(body_m / pieces.max(1) as f64, pieces);
-            for length_m in bodies.chain((lead_in_m > 0.0).then_some(lead_in_m)) {
-                segments[count] = Stretch { length_m, ..*stretch };
-                count += 1;
-                if count == wanted {
-                    return (segments, count);
-                }
-            }
-        }
-        (segments, count)
+            let lengths_m = bodies.chain((lead_in_m > 0.0).then_some(lead_in_m));
+            lengths_m.map(|length_m| Stretch { length_m, ..*stretch })
+        })
     }
 
     /// Gives each cell the median class around it; at the ends the last cell counts for what is not known.
     fn smooth_classes(&mut self) {
-        let classes = self.stretches.map(|cell| cell.class);
-        for index in 0..self.len {
+        let mut classes = [Class::default(); MAX_CELLS];
+        for (class, cell) in classes.iter_mut().zip(&self.stretches) {
+            *class = cell.class;
+        }
+        let last = self.stretches.len().saturating_sub(1);
+        for (index, cell) in self.stretches.iter_mut().enumerate() {
             let mut around = core::array::from_fn::<_, MEDIAN_CELLS, _>(|other| {
-                classes[(index + other).saturating_sub(MEDIAN_CELLS / 2).min(self.len - 1)]
+                classes[(index + other).saturating_sub(MEDIAN_CELLS / 2).min(last)]
             });
             around.sort_unstable();
-            self.stretches[index].class = around[MEDIAN_CELLS / 2];
+            cell.class = around[MEDIAN_CELLS / 2];
         }
     }
 
+    /// The first stretch that joins a neighbour.
     fn short(&self) -> Option<usize> {
-        if self.len < 2 {
-            return None;
-        }
-        self.stretches().iter().position(|stretch| stretch.length_m < SHORTEST_M)
+        let is_short = |stretch: &Stretch| stretch.length_m < SHORTEST_M;
+        self.stretches.iter().position(is_short).filter(|_| self.stretches.len() > 1)
     }
 
+    /// The neighbour with the nearer slope.
     fn nearer_neighbour(&self, index: usize) -> usize {
-        if index == 0 {
-            return 1;
-        }
-        if index + 1 == self.len {
-            return index - 1;
-        }
-        let off = |other: usize| (self.stretches[other].grade - self.stretches[index].grade).abs();
-        if off(index - 1) < off(index + 1) { index - 1 } else { index + 1 }
+        let off = |other: usize| {
+            let other = self.stretches.get(other);
+            other.map_or(f64::INFINITY, |other| (other.grade - self.stretches[index].grade).abs())
+        };
+        if index > 0 && off(index - 1) < off(index + 1) { index - 1 } else { index + 1 }
     }
 
     fn merge_equals(&mut self, limits: &LimitGrades) {
         let mut index = 0;
-        while index + 1 < self.len {
+        while index + 1 < self.stretches.len() {
             if self.stretches[index].class == self.stretches[index + 1].class {
                 self.join(index, limits);
                 // The joint stretch may now equal the one before it.
@@ -203,10 +186,8 @@ impl Reconstruction {
 
     /// Joins a stretch with the one after it.
     fn join(&mut self, index: usize, limits: &LimitGrades) {
-        let next = self.stretches[index + 1];
+        let next = self.stretches.remove(index + 1);
         self.stretches[index].absorb(&next, limits);
-        self.stretches.copy_within(index + 2..self.len, index + 1);
-        self.len -= 1;
     }
 }
 
@@ -260,11 +241,13 @@ mod tests {
 
     #[test]
     fn the_lead_in_is_a_segment_of_its_own() {
-        let (segments, count) = rebuilt(&[(24, 0.0), (16, 0.02)]).segments(2);
-        assert_eq!(count, 2);
+        let road = rebuilt(&[(24, 0.0), (16, 0.02)]);
+        let segments: Vec<Stretch> = road.segments().take(2).collect();
+        assert_eq!(segments.len(), 2);
         assert!((segments[0].length_m - 375.0).abs() < 1e-9, "{segments:?}");
         assert!((segments[1].length_m - 375.0).abs() < 1e-9, "{segments:?}");
-        let (segments, _) = rebuilt(&[(16, 0.0), (24, 0.02)]).segments(2);
+        let road = rebuilt(&[(16, 0.0), (24, 0.02)]);
+        let segments: Vec<Stretch> = road.segments().take(2).collect();
         assert!((segments[0].length_m - 350.0).abs() < 1e-9, "{segments:?}");
         assert_eq!(segments[1].length_m, 450.0);
     }
@@ -276,6 +259,6 @@ mod tests {
             road.stretches(),
             [Stretch { length_m: 150.0, grade: 0.0, class: Class::Level }]
         );
-        assert_eq!(rebuilt(&[]).segments(2).1, 0);
+        assert_eq!(rebuilt(&[]).segments().count(), 0);
     }
 }

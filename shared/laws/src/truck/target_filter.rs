@@ -29,7 +29,6 @@ struct Track {
 }
 
 impl TargetFilter {
-    /// A filter that has seen nothing.
     pub fn new(keys: &FilterKeys) -> Self {
         Self { keys: *keys, track: None }
     }

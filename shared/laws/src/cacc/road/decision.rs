@@ -16,7 +16,6 @@
 
 use law::{Figure, Formulation};
 
-/// The meaning of the numbers in the output.
 pub static FORMULATION: Formulation = Formulation {
     name: "road",
     caution: None,
@@ -56,15 +55,12 @@ pub(super) enum Choice {
 pub(super) enum Reason {
     /// The pass is possible and the better of the two.
     GreenInReach = 3,
-    /// The line cannot be reached in green.
     GreenOutOfReach,
-    /// The stop costs less.
     StopCheaper,
     /// Too late to stop comfortably, and clear before red.
     ClearsInYellow,
     /// Too late for either: brake.
     Emergency,
-    /// The phase is not known.
     Unknown,
 }
 

@@ -27,48 +27,26 @@ const BRAKING_SHARES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// its extremes.
 const SHORTEST_PERIOD_S: f64 = 0.05;
 
-/// Treatment of a line by the filter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Rule {
-    Stop,
-    /// Cross it before red, or stay able to stop.
-    Pass {
-        /// Time until red, s.
-        red_in_s: f64,
-        /// Fastest speed on the way, m/s.
-        most_mps: f64,
-    },
-}
-
-impl Rule {
-    /// The rule `time_s` later.
-    pub(super) fn after(self, time_s: f64) -> Self {
-        match self {
-            Self::Stop => Self::Stop,
-            Self::Pass { red_in_s, most_mps } => {
-                Self::Pass { red_in_s: red_in_s - time_s, most_mps }
-            }
-        }
-    }
-}
-
-/// A line ahead and its rule.
+/// A line ahead, and how it may be passed; without that the vehicle stops before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gate {
     pub(super) distance_m: f64,
-    /// Treatment of the line.
-    pub(super) rule: Rule,
+    pub(super) pass: Option<Pass>,
+}
+
+/// Cross a line before red, or stay able to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pass {
+    pub(super) red_in_s: f64,
+    /// Fastest speed on the way, m/s.
+    pub(super) most_mps: f64,
 }
 
 impl Gate {
-    /// The crossing that the rule allows.
+    /// The crossing that is allowed.
     fn crossing(&self) -> Option<Crossing> {
-        match self.rule {
-            Rule::Stop => None,
-            Rule::Pass { red_in_s, most_mps } => {
-                Some(Crossing { line_m: self.distance_m + LINE_MARGIN_M, red_in_s, most_mps })
-            }
-        }
+        let line_m = self.distance_m + LINE_MARGIN_M;
+        self.pass.map(|Pass { red_in_s, most_mps }| Crossing { line_m, red_in_s, most_mps })
     }
 }
 
@@ -100,7 +78,7 @@ impl Filter {
             }
         }
         for gate in gates {
-            if gate.rule == Rule::Stop {
+            if gate.pass.is_none() {
                 u = self.safe.lower(u, |u| self.stops_before(u, ego, gate.distance_m));
             }
         }
@@ -138,9 +116,8 @@ impl Filter {
     ) -> bool {
         let ego = Motion { position_m: 0.0, ..ego };
         let rest = self.safe.lag.stop(ego, request).distance_m;
-        let stops = gates
-            .iter()
-            .all(|gate| gate.rule != Rule::Stop || rest <= gate.distance_m - LINE_MARGIN_M);
+        let stops =
+            gates.iter().all(|gate| gate.pass.is_some() || rest <= gate.distance_m - LINE_MARGIN_M);
         stops
             && lead.is_none_or(|lead| {
                 let now = lead.braking_mps2();
@@ -292,7 +269,7 @@ mod tests {
         for v in [3.0, 10.0, 25.0] {
             let mut ego = Motion { position_m: 0.0, speed_mps: v, acceleration_mps2: 0.0 };
             for _ in 0..400 {
-                let gate = Gate { distance_m: 120.0 - ego.position_m, rule: Rule::Stop };
+                let gate = Gate { distance_m: 120.0 - ego.position_m, pass: None };
                 ego = step.advance(ego, filter().apply(4.9, ego, None, &[gate]));
             }
             assert_eq!(ego.speed_mps, 0.0);
@@ -304,7 +281,7 @@ mod tests {
     fn past_the_point_of_no_return_it_crosses_before_red() {
         let ego = Motion { position_m: 0.0, speed_mps: 15.0, acceleration_mps2: 0.0 };
         let pass =
-            |red_in_s| Gate { distance_m: 20.0, rule: Rule::Pass { red_in_s, most_mps: 15.0 } };
+            |red_in_s| Gate { distance_m: 20.0, pass: Some(Pass { red_in_s, most_mps: 15.0 }) };
         assert!(!filter().can_stop(ego, 20.0));
         assert!(filter().apply(-3.0, ego, None, &[pass(1.35)]) > -0.5);
         assert_eq!(filter().apply(-3.0, ego, None, &[pass(9.0)]), -3.0);
@@ -316,7 +293,7 @@ mod tests {
         // At 21.4 m/s the line is reached 0.01 s before red. The lead's gap forbids that speed there.
         let ego = Motion { position_m: 0.0, speed_mps: 21.78, acceleration_mps2: -0.79 };
         let lead = |gap_m| LeadNow { gap_m, speed_mps: 17.47, acceleration_mps2: 0.0 };
-        let gate = Gate { distance_m: 54.0, rule: Rule::Pass { red_in_s: 2.54, most_mps: 33.3 } };
+        let gate = Gate { distance_m: 54.0, pass: Some(Pass { red_in_s: 2.54, most_mps: 33.3 }) };
         assert!(!filter().can_cross(0.0, ego, Some(&lead(42.39)), gate));
         assert!(filter().can_cross(0.0, ego, Some(&lead(62.39)), gate));
     }

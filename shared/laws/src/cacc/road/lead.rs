@@ -70,7 +70,6 @@ impl Prediction {
 /// A pass is planned within these speeds. The filter would take away whatever is faster, and the pass with it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fastest {
-    /// Speed at each stage, m/s.
     pub(super) speed_mps: [f64; MAX_PLAN + 1],
 }
 

@@ -67,15 +67,15 @@ use mpc_solver::{ProblemError, Solver};
 
 pub use self::decision::FORMULATION;
 use self::decision::{Choice, Situation, choose};
-use self::filter::{Filter, Gate, Rule};
+use self::filter::{Filter, Gate, Pass};
 use self::own_lag::OwnLag;
 use self::planner::{Planner, Seen};
 use self::program::Deadline;
-use self::signals::{Green, Line, SignalMemory};
+use self::signals::{Green, SignalMemory};
 use super::config::Config;
 use super::plan::PlanMemory;
 use law::following::kinematics::{Lag, Motion};
-use law::{Input, Law, MAX_SIGNALS, Output, Quality};
+use law::{Input, Law, Output, Quality};
 
 /// Speed that stands for "no limit", m/s.
 const NO_LIMIT_MPS: f64 = 70.0;
@@ -148,9 +148,6 @@ impl RoadLaw {
         if self.uses_light {
             self.state.signals.update(input);
         }
-        let mut lines = [Line::default(); MAX_SIGNALS];
-        let count = self.state.signals.lines().len();
-        lines[..count].copy_from_slice(self.state.signals.lines());
         let moves = Motion {
             position_m: 0.0,
             speed_mps: ego.speed_mps.clamp(0.0, NO_LIMIT_MPS),
@@ -161,8 +158,7 @@ impl RoadLaw {
             ego: moves,
             begin: Motion { acceleration_mps2, ..moves },
             lead,
-            lines,
-            count,
+            signals: self.state.signals,
             desired_mps: input.set_speed_mps.min(input.speed_limit_mps).clamp(0.0, NO_LIMIT_MPS),
             profile: input.profile,
         })
@@ -176,8 +172,7 @@ impl RoadLaw {
         filter: &Filter,
         output: &mut Output,
     ) -> Decision {
-        let nearest = seen.lines[..seen.count].first().copied();
-        let Some(line) = nearest else {
+        let Some(line) = seen.signals.lines().first() else {
             self.planner.candidate(Choice::Pass, input, seen, reference::Gate::Open, None);
             self.state.chosen = None;
             return Decision::default();
@@ -213,8 +208,8 @@ impl RoadLaw {
                 Deadline { stage, switch, line_m }
             });
             self.planner.candidate(Choice::Pass, input, seen, gate, row);
-            let rule = Rule::Pass { red_in_s: green.clear_s - now, most_mps: seen.desired_mps };
-            let gate = Gate { distance_m: line_m, rule };
+            let pass = Pass { red_in_s: green.clear_s - now, most_mps: seen.desired_mps };
+            let gate = Gate { distance_m: line_m, pass: Some(pass) };
             let arrival = self.planner.arrival(Choice::Pass, line_m);
             let by = |stage: Option<usize>| {
                 stage.is_some_and(|stage| arrival.map_or(stage > n, |arrival| arrival <= stage))
@@ -223,7 +218,7 @@ impl RoadLaw {
             reaches = by(deadline)
                 && (arrival.is_none()
                     || green.likely_s > green.to_s
-                    || self.planner.is_let_through(rule, line_m, filter));
+                    || self.planner.is_let_through(pass, line_m, filter));
             clears = by(stage_at(green.clear_s))
                 || green.from_s <= now && filter.can_cross(0.0, seen.ego, seen.lead.as_ref(), gate);
             // The undisturbed driver passes: nothing can be cheaper.

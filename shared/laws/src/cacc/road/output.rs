@@ -1,7 +1,7 @@
 //! The output of a cycle: the chosen plan, and its first request as the filter lets it through.
 
 use super::decision::Choice;
-use super::filter::{Filter, Gate, Rule, SOFT_SHARE};
+use super::filter::{Filter, Gate, Pass, SOFT_SHARE};
 use super::planner::Seen;
 use super::{Decision, MAX_PLAN_AGE_S, RoadLaw, WAITS_WITHIN_M};
 use crate::cacc::plan::PlanMemory;
@@ -62,7 +62,7 @@ impl RoadLaw {
         let enough = filter.suffices(comfort, seen.ego, seen.lead.as_ref(), &gates[..count]);
         let tempered = if enough { wanted.max(comfort) } else { wanted };
         let mut safe = filter.apply(tempered, seen.ego, seen.lead.as_ref(), &gates[..count]);
-        let stop = gates[..count].first().filter(|gate| gate.rule == Rule::Stop);
+        let stop = gates[..count].first().filter(|gate| gate.pass.is_none());
         let line_m = stop.map_or(f64::INFINITY, |gate| gate.distance_m);
         if line_m < WAITS_WITHIN_M && seen.ego.speed_mps < STANDSTILL_MPS {
             // It waits at the line.
@@ -89,7 +89,7 @@ impl RoadLaw {
         output.plan_mps2[0] = safe;
         let lag = Lag { tau_s: self.config.model_time_constant_s };
         self.state.own.ask(safe, seen.ego.acceleration_mps2, lag, input.period_s);
-        gates[..count].first().is_some_and(|gate| gate.rule == Rule::Stop)
+        stop.is_some()
     }
 
     /// The rules of the filter for all lines ahead.
@@ -102,8 +102,8 @@ impl RoadLaw {
     ) -> ([Gate; MAX_SIGNALS], usize) {
         let now = input.time_s;
         let n = self.config.horizon;
-        let mut gates = [Gate { distance_m: 0.0, rule: Rule::Stop }; MAX_SIGNALS];
-        for (j, line) in seen.lines[..seen.count].iter().enumerate() {
+        let mut gates = [Gate { distance_m: 0.0, pass: None }; MAX_SIGNALS];
+        for (j, line) in seen.signals.lines().iter().enumerate() {
             let distance_m = line.at_m - input.ego.position_m;
             let open = line.shown(now);
             let passes = match (j, open) {
@@ -121,14 +121,11 @@ impl RoadLaw {
                         })
                 }
             };
-            let rule = match open {
-                Some(green) if passes => {
-                    Rule::Pass { red_in_s: green.clear_s - now, most_mps: seen.desired_mps }
-                }
-                _ => Rule::Stop,
-            };
-            gates[j] = Gate { distance_m, rule };
+            let pass = open
+                .filter(|_| passes)
+                .map(|green| Pass { red_in_s: green.clear_s - now, most_mps: seen.desired_mps });
+            gates[j] = Gate { distance_m, pass };
         }
-        (gates, seen.count)
+        (gates, seen.signals.lines().len())
     }
 }

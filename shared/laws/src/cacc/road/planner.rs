@@ -3,17 +3,17 @@
 use mpc_solver::{ProblemError, Solver, Start};
 
 use super::decision::Choice;
-use super::filter::{Filter, Gate as Held, Rule, safe_gap};
+use super::filter::{Filter, Gate as Held, Pass, safe_gap};
 use super::lead::{Fastest, Prediction};
 use super::program::{Deadline, Programs};
 use super::reference::{Gate, Reference, SafeGapTable, Scene};
-use super::signals::Line;
+use super::signals::SignalMemory;
 use crate::cacc::config::Config;
 use crate::cacc::paper::usable;
 use law::following::driver::Driver;
 use law::following::kinematics::{Lag, LagStep, Motion};
 use law::following::safe_gap::{LeadNow, SafeGap};
-use law::{Input, MAX_PLAN, MAX_SIGNALS, SpeedProfile};
+use law::{Input, MAX_PLAN, SpeedProfile};
 
 /// Least time constant with which a lead's gain of speed before a line decays, s. Chosen: a start takes longer than the
 /// braking for which `lead_decay_s` was chosen.
@@ -25,8 +25,7 @@ pub(super) struct Seen {
     /// Start of a plan: the ego, without the braking of another system.
     pub(super) begin: Motion,
     pub(super) lead: Option<LeadNow>,
-    pub(super) lines: [Line; MAX_SIGNALS],
-    pub(super) count: usize,
+    pub(super) signals: SignalMemory,
     pub(super) desired_mps: f64,
     /// The same along the road.
     pub(super) profile: Option<SpeedProfile>,
@@ -105,7 +104,8 @@ impl Planner {
 
     /// Predicts the lead for the candidates of this cycle.
     pub(super) fn predict(&mut self, seen: &Seen) {
-        let gains = |lead: &LeadNow| seen.count > 0 && lead.acceleration_mps2 > 0.0;
+        let gains =
+            |lead: &LeadNow| !seen.signals.lines().is_empty() && lead.acceleration_mps2 > 0.0;
         let decay = match &seen.lead {
             Some(lead) if gains(lead) => self.gaining_decay,
             _ => self.lead_decay,
@@ -133,7 +133,7 @@ impl Planner {
             origin_m: input.ego.position_m,
             safe_gap: &self.safe_gap,
             lead,
-            lines: &seen.lines[..seen.count],
+            lines: seen.signals.lines(),
         };
         let candidate = if choice == Choice::Pass { pass } else { stop };
         candidate.reference.roll_out(&scene, seen.begin, gate);
@@ -182,7 +182,7 @@ impl Planner {
 
     /// True if the safety filter lets the pass's plan cross a line before red. From the first place where a stop is no
     /// longer possible, the speed and request that the plan has there must be enough.
-    pub(super) fn is_let_through(&self, rule: Rule, line_m: f64, filter: &Filter) -> bool {
+    pub(super) fn is_let_through(&self, pass: Pass, line_m: f64, filter: &Filter) -> bool {
         let Candidate { requests, motion, .. } = &self.work.pass;
         let to_line_m = |at: &Motion| line_m - at.position_m;
         let mut stages = motion[..=self.config.horizon].iter();
@@ -192,8 +192,8 @@ impl Planner {
         let at = &motion[stage];
         let lead = self.work.lead.at(stage, at.position_m);
         let request = requests[stage.min(self.config.horizon - 1)];
-        let gate =
-            Held { distance_m: to_line_m(at), rule: rule.after(stage as f64 * self.lag.step_s) };
+        let red_in_s = pass.red_in_s - stage as f64 * self.lag.step_s;
+        let gate = Held { distance_m: to_line_m(at), pass: Some(Pass { red_in_s, ..pass }) };
         filter.can_cross(request, *at, lead.as_ref(), gate)
     }
 

@@ -1,20 +1,7 @@
-//! The two convex programs: go and hold.
+//! The two convex programs, go and hold, in the state and with the cost of [the formulation](super):
 //!
 //! ```text
-//! x = (e, ed, a),  e = t_h v + s0 - gap,  ed = v - v_lead
-//!
-//! minimise  1/2 sum( q_e (e_k - e_ref)² + q_v (ed_k - ed_ref)² + q_a (a_k - a_ref)²
-//!                  + q_j ((u_k - a_k)/tau)² + r (u_k - u_ref)² ) + soft rows
-//! subject to  the exact lag, u within bounds
-//! ```
-//!
-//! `g`, `h`, `c` are the coefficients of the exactly discretised lag ([`LagStep`]); `v_l`, `x_l` are the predicted
-//! lead. The constant-time-headway model is then linear, and the lead a known disturbance:
-//!
-//! ```text
-//! e+  = e + T ed + (t_h c_v + c_p) a + (t_h b_v + b_p) u + (T v_l - (x_l+ - x_l))
-//! ed+ = ed + c_v a + b_v u - (v_l+ - v_l)
-//! a+  = c_a a + b_a u
+//! d_e = T v_l - (x_l+ - x_l),   d_ed = -(v_l+ - v_l)                     the predicted lead as a disturbance
 //! p   = x_l + e - t_h (ed + v_l) - s0                                  position of the ego
 //! ```
 //!
@@ -78,7 +65,6 @@ pub(super) struct Deadline {
     pub(super) line_m: f64,
 }
 
-/// Go and hold.
 pub(super) struct Programs {
     pub(super) go: Problem,
     pub(super) hold: Problem,

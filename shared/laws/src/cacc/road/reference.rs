@@ -122,7 +122,6 @@ pub(super) struct SafeGapTable {
     gap_m: [f64; SPEEDS],
 }
 
-/// Speeds of the table.
 const SPEEDS: usize = 72;
 /// Gap that is kept beyond the safe one, m: the noise of the radar.
 const SPARE_M: f64 = 1.0;
