@@ -1,8 +1,9 @@
 //! Construction of a [`Problem`], with every check of its constant parts.
 
 use crate::error::ProblemError;
-use crate::limits::{MAX_HORIZON, MAX_ROWS};
-use crate::problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
+use crate::problem::{
+    LightCost, LightStage, MAX_HORIZON, MAX_ROWS, Problem, Row, Softness, Terminal,
+};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Builds so far: solvers keep factors for the constants of one.
@@ -224,10 +225,10 @@ fn check_cost(problem: &Problem) -> Result<(), ProblemError> {
             reduced[i][j] -= problem.s[i] * problem.s[j] / problem.r;
         }
     }
-    if !is_semidefinite(reduced, largest(&problem.q)) {
+    if !is_semidefinite(reduced, &problem.q) {
         return Err(ProblemError::NotConvex("stage cost"));
     }
-    if !is_semidefinite(problem.p, largest(&problem.p)) {
+    if !is_semidefinite(problem.p, &problem.p) {
         return Err(ProblemError::NotConvex("terminal cost"));
     }
     Ok(())
@@ -266,32 +267,17 @@ fn check_penalty(softness: &Softness) -> Result<(), ProblemError> {
     }
 }
 
-fn largest(m: &[[f64; 3]; 3]) -> f64 {
-    m.iter().flatten().fold(0.0, |top, x| top.max(x.abs()))
-}
-
-/// Gaussian elimination with the largest pivot first; 1e-12 times `scale` counts as zero.
-fn is_semidefinite(mut m: [[f64; 3]; 3], scale: f64) -> bool {
-    let zero = 1e-12 * scale;
-    let mut is_left = [true; 3];
-    for _ in 0..3 {
-        let candidates = (0..3).filter(|&i| is_left[i]);
-        let Some(pivot) = candidates.max_by(|&i, &j| m[i][i].total_cmp(&m[j][j])) else { break };
-        if m[pivot][pivot] <= zero {
-            let rest = || (0..3).filter(|&i| is_left[i]);
-            return rest().all(|i| {
-                rest()
-                    .all(|j| m[i][j].abs() <= zero.max(1e-9 * scale * f64::from(u8::from(i != j))))
-            });
-        }
-        is_left[pivot] = false;
-        for i in 0..3 {
-            for j in 0..3 {
-                if is_left[i] && is_left[j] {
-                    m[i][j] -= m[i][pivot] * m[pivot][j] / m[pivot][pivot];
-                }
+/// Gaussian elimination of the matrix with 1e-12 of the largest entry of `scale` added to the diagonal: its pivots are
+/// positive.
+fn is_semidefinite(mut m: [[f64; 3]; 3], scale: &[[f64; 3]; 3]) -> bool {
+    let largest = scale.iter().flatten().fold(0.0_f64, |top, x| top.max(x.abs()));
+    (0..3).all(|k| {
+        m[k][k] += 1e-12 * largest + f64::MIN_POSITIVE;
+        for i in k + 1..3 {
+            for j in k + 1..3 {
+                m[i][j] -= m[i][k] * m[k][j] / m[k][k];
             }
         }
-    }
-    true
+        m[k][k] > 0.0
+    })
 }

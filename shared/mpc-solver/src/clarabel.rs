@@ -13,8 +13,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use crate::kkt::{Multipliers, Residuals, residuals};
-use crate::limits::MAX_ROWS;
-use crate::problem::{Problem, Softness, Terminal};
+use crate::problem::{MAX_ROWS, Problem, Softness, Terminal};
 use crate::solver::{Report, Solver, Start, Status};
 
 /// `c` \[m\], about the margin at which the cost matters.
@@ -72,16 +71,13 @@ struct Triplets {
 }
 
 impl Triplets {
-    fn push(&mut self, j: usize, v: f64) {
-        if v != 0.0 {
+    /// Adds a constraint of these columns and returns its index.
+    fn constrain(&mut self, entries: &[(usize, f64)], rhs: f64) -> usize {
+        for &(j, v) in entries.iter().filter(|(_, v)| *v != 0.0) {
             self.i.push(self.rhs.len());
             self.j.push(j);
             self.v.push(v);
         }
-    }
-
-    /// Ends the pushed row and returns its index.
-    fn end(&mut self, rhs: f64) -> usize {
         self.rhs.push(rhs);
         self.rhs.len() - 1
     }
@@ -238,14 +234,6 @@ fn stages(problem: &Problem, j: usize) -> impl Iterator<Item = usize> + '_ {
     (row.from..=row.to).filter(move |&k| problem.limits[j][k] < f64::INFINITY)
 }
 
-/// `(linear, quadratic)` penalty weights of a soft limit.
-fn penalty(softness: &Softness) -> Option<(f64, f64)> {
-    match *softness {
-        Softness::Hard => None,
-        Softness::Soft { linear, quadratic } => Some((linear, quadratic)),
-    }
-}
-
 /// Upper triangle of the quadratic cost, and the linear cost of all variables.
 fn assemble_cost(problem: &Problem) -> (Triplets, Vec<f64>) {
     let n = problem.horizon;
@@ -279,7 +267,7 @@ fn assemble_cost(problem: &Problem) -> (Triplets, Vec<f64>) {
         }
     }
     for (j, row) in problem.rows.iter().enumerate() {
-        if let Some((linear, quadratic)) = penalty(&row.softness) {
+        if let Softness::Soft { linear, quadratic } = row.softness {
             for _ in stages(problem, j) {
                 entry(gradient.len(), gradient.len(), quadratic);
                 gradient.push(linear);
@@ -289,7 +277,7 @@ fn assemble_cost(problem: &Problem) -> (Triplets, Vec<f64>) {
     if let Some(light) = &problem.light {
         for _ in 0..problem.light_len {
             gradient.extend([0.0, light.weight / (CONE_SCALE * CONE_SCALE)]);
-            if let Some((linear, _)) = penalty(&light.softness) {
+            if let Softness::Soft { linear, .. } = light.softness {
                 gradient.push(linear);
             }
         }
@@ -308,89 +296,65 @@ fn assemble_constraints(
     for k in 0..n {
         let constant = if k == 0 { problem.step(0, &problem.x0, 0.0) } else { problem.d[k] };
         for (i, value) in constant.into_iter().enumerate() {
-            a.push(state(k + 1) + i, 1.0);
-            a.push(input(k), -problem.b[i]);
-            for j in i..3 {
-                if k > 0 {
-                    a.push(state(k) + j, -problem.a[i][j]);
-                }
+            let mut entries = vec![(state(k + 1) + i, 1.0), (input(k), -problem.b[i])];
+            if k > 0 {
+                entries.extend((i..3).map(|j| (state(k) + j, -problem.a[i][j])));
             }
-            a.end(value);
+            a.constrain(&entries, value);
         }
     }
     if let Terminal::Equality(x_f) = &problem.terminal {
         layout.terminal = Some(a.rhs.len());
         for (i, value) in x_f.iter().enumerate() {
-            a.push(state(n) + i, 1.0);
-            a.end(*value);
+            a.constrain(&[(state(n) + i, 1.0)], *value);
         }
     }
     cones.push(SupportedConeT::ZeroConeT(a.rhs.len()));
     let first = a.rhs.len();
     for k in 0..n {
-        a.push(input(k), 1.0);
-        a.end(problem.u_max);
-        a.push(input(k), -1.0);
-        a.end(-problem.u_min);
+        a.constrain(&[(input(k), 1.0)], problem.u_max);
+        a.constrain(&[(input(k), -1.0)], -problem.u_min);
     }
     let mut slack = 4 * n;
     for (j, row) in problem.rows.iter().enumerate() {
         for k in stages(problem, j) {
-            for i in 0..3 {
-                a.push(state(k) + i, row.gradient[i]);
+            let mut entries = Vec::from([0, 1, 2].map(|i| (state(k) + i, row.gradient[i])));
+            if row.softness != Softness::Hard {
+                entries.push((slack, -1.0));
             }
-            if penalty(&row.softness).is_some() {
-                a.push(slack, -1.0);
-            }
-            let at = a.end(problem.limits[j][k]);
-            layout.rows[j].push((k, at));
-            if penalty(&row.softness).is_some() {
-                a.push(slack, -1.0);
-                a.end(0.0);
+            layout.rows[j].push((k, a.constrain(&entries, problem.limits[j][k])));
+            if row.softness != Softness::Hard {
+                a.constrain(&[(slack, -1.0)], 0.0);
                 slack += 1;
             }
         }
     }
     layout.light = a.rhs.len();
-    if let Some(light) = &problem.light {
-        let soft = penalty(&light.softness).is_some();
-        let width = if soft { 3 } else { 2 };
-        for (k, stage) in problem.light_stages().iter().enumerate() {
-            for i in 0..3 {
-                a.push(state(k + 1) + i, -stage.gradient[i]);
-            }
-            a.push(slack + width * k, 1.0);
-            if soft {
-                a.push(slack + width * k + 2, -1.0);
-            }
-            a.end(stage.offset);
-        }
-        for k in 0..problem.light_len {
-            if light.threshold < f64::INFINITY {
-                a.push(slack + width * k, 1.0);
-                a.end(light.threshold);
-            }
-            if soft {
-                a.push(slack + width * k + 2, -1.0);
-                a.end(0.0);
-            }
-        }
-        cones.push(SupportedConeT::NonnegativeConeT(a.rhs.len() - first));
-        for k in 0..problem.light_len {
-            let (p, t) = (slack + width * k, slack + width * k + 1);
-            a.push(t, -1.0);
-            a.push(p, -1.0);
-            a.end(0.0);
-            a.push(t, -1.0);
-            a.push(p, 1.0);
-            a.end(0.0);
-            a.end(2.0 * CONE_SCALE);
-            cones.push(SupportedConeT::SecondOrderConeT(3));
-        }
-        slack += width * problem.light_len;
-    } else {
-        cones.push(SupportedConeT::NonnegativeConeT(a.rhs.len() - first));
+    let soft = problem.light.is_some_and(|light| light.softness != Softness::Hard);
+    // `p`, `t` and, if the light is soft, `σ` of each stage.
+    let width = if soft { 3 } else { 2 };
+    let stage_slacks = (slack..).step_by(width).take(problem.light_len);
+    for ((k, stage), p) in (1..).zip(problem.light_stages()).zip(stage_slacks.clone()) {
+        let mut entries = Vec::from([0, 1, 2].map(|i| (state(k) + i, -stage.gradient[i])));
+        entries.extend([(p, 1.0), (p + 2, if soft { -1.0 } else { 0.0 })]);
+        a.constrain(&entries, stage.offset);
     }
+    for p in stage_slacks.clone() {
+        if let Some(light) = problem.light.filter(|light| light.threshold < f64::INFINITY) {
+            a.constrain(&[(p, 1.0)], light.threshold);
+        }
+        if soft {
+            a.constrain(&[(p + 2, -1.0)], 0.0);
+        }
+    }
+    cones.push(SupportedConeT::NonnegativeConeT(a.rhs.len() - first));
+    for p in stage_slacks {
+        a.constrain(&[(p + 1, -1.0), (p, -1.0)], 0.0);
+        a.constrain(&[(p + 1, -1.0), (p, 1.0)], 0.0);
+        a.constrain(&[], 2.0 * CONE_SCALE);
+        cones.push(SupportedConeT::SecondOrderConeT(3));
+    }
+    slack += width * problem.light_len;
     debug_assert_eq!(slack, variables, "cost and constraints number the slacks alike");
     (a, cones, layout)
 }

@@ -25,8 +25,7 @@
 
 use multiversion::multiversion;
 
-use crate::limits::MAX_ROWS;
-use crate::problem::{Problem, Softness, Terminal, dot};
+use crate::problem::{MAX_ROWS, Problem, Softness, Terminal, dot};
 
 /// Multipliers of a solution.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -125,19 +124,17 @@ pub fn residuals(
     // Rows behind the last one with a multiplier do not act on the costate.
     let mut rows = multipliers.rows[..problem.rows.len()].iter();
     let forced = rows.rposition(|mus| has_any(&mus[..=n])).map_or(0, |last| last + 1);
-    if forced > 0 || !all_hold(problem, states) {
-        for (j, row) in problem.rows.iter().enumerate() {
-            for k in row.from..=row.to {
-                let (h, mu) = (problem.limits[j][k], multipliers.rows[j][k]);
-                let z = dot(&row.gradient, &states[k]) - h;
-                // A limit that holds without a multiplier lies on its graph: its residual is zero.
-                if (mu == 0.0 && z <= 0.0) || h == f64::INFINITY {
-                    continue;
-                }
-                worst(&mut out.complementarity, 0.0 * (z + mu));
-                let distance = row_distance(&row.softness, z, mu, h.abs().max(1.0), scale);
-                worst(&mut out.complementarity, distance);
+    for (j, row) in problem.rows.iter().enumerate() {
+        for k in row.from..=row.to {
+            let (h, mu) = (problem.limits[j][k], multipliers.rows[j][k]);
+            let z = dot(&row.gradient, &states[k]) - h;
+            // A limit that holds without a multiplier lies on its graph: its residual is zero.
+            if (mu == 0.0 && z <= 0.0) || h == f64::INFINITY {
+                continue;
             }
+            worst(&mut out.complementarity, 0.0 * (z + mu));
+            let distance = row_distance(&row.softness, z, mu, h.abs().max(1.0), scale);
+            worst(&mut out.complementarity, distance);
         }
     }
     let at_end = |i: usize| multipliers.terminal[i] + dot(&problem.p[i], &states[n]);
@@ -208,37 +205,6 @@ fn dual_scale(problem: &Problem, multipliers: &Multipliers) -> f64 {
 #[inline(always)]
 fn has_any(values: &[f64]) -> bool {
     values.iter().fold(false, |any, value| any | (*value != 0.0))
-}
-
-/// Returns whether all rows hold, those of a stage side by side.
-#[inline(always)]
-fn all_hold(problem: &Problem, states: &[[f64; 3]]) -> bool {
-    let mut gradient = [[0.0; MAX_ROWS]; 3];
-    let (mut from, mut to) = (problem.horizon + 1, 0);
-    for (j, row) in problem.rows.iter().enumerate() {
-        for i in 0..3 {
-            gradient[i][j] = row.gradient[i];
-        }
-        if row.from <= row.to {
-            (from, to) = (from.min(row.from), to.max(row.to));
-        }
-    }
-    let mut holds = [true; MAX_ROWS];
-    for k in from..=to {
-        let x = &states[k];
-        let mut h = [f64::INFINITY; MAX_ROWS];
-        for (j, row) in problem.rows.iter().enumerate() {
-            if k >= row.from && k <= row.to {
-                h[j] = problem.limits[j][k];
-            }
-        }
-        for j in 0..MAX_ROWS {
-            let left = gradient[0][j] * x[0] + gradient[1][j] * x[1] + gradient[2][j] * x[2];
-            // NaN holds nothing.
-            holds[j] &= left - h[j] <= 0.0;
-        }
-    }
-    holds == [true; MAX_ROWS]
 }
 
 /// Returns whether row `j` bounds stage `k`.

@@ -70,9 +70,7 @@ mod builder;
 #[cfg(feature = "clarabel")]
 mod clarabel;
 mod error;
-mod kind;
 mod kkt;
-mod limits;
 mod problem;
 mod riccati;
 mod solver;
@@ -81,10 +79,8 @@ pub use builder::ProblemBuilder;
 #[cfg(feature = "clarabel")]
 pub use clarabel::Clarabel;
 pub use error::ProblemError;
-pub use kind::{Kind, UnknownSolver};
 pub use kkt::{Multipliers, Residuals, residuals};
-pub use limits::{MAX_HORIZON, MAX_ROWS};
-pub use problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
+pub use problem::{LightCost, LightStage, MAX_HORIZON, MAX_ROWS, Problem, Row, Softness, Terminal};
 pub use riccati::Riccati;
 pub use solver::{Report, Solver, Start, Status};
 

@@ -1,6 +1,6 @@
 //! Settings of the two model-predictive laws.
 
-use mpc_solver::{Kind, Solver};
+use mpc_solver::{Clarabel, Riccati, Solver};
 use parameters::parameters;
 use scenario::Problem;
 use scenario::controller::{Controller, Solver as SolverName, SpacingPolicy, Weights};
@@ -134,11 +134,10 @@ impl Config {
     }
 
     pub fn create_solver(&self) -> Box<dyn Solver + Send> {
-        let kind = match self.solver {
-            SolverName::Riccati => Kind::Riccati,
-            SolverName::Clarabel => Kind::Clarabel,
-        };
-        kind.create(self.horizon)
+        match self.solver {
+            SolverName::Riccati => Box::new(Riccati::new(self.horizon)),
+            SolverName::Clarabel => Box::new(Clarabel::new()),
+        }
     }
 
     /// Checks every setting; keys are relative to `controller`.

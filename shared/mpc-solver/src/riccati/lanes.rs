@@ -63,41 +63,20 @@ impl Lanes {
     }
 }
 
-impl Add for Lanes {
-    type Output = Self;
+macro_rules! lane_wise {
+    ($($operator:ident::$function:ident $symbol:tt)*) => {$(
+        impl $operator for Lanes {
+            type Output = Self;
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] + other.0[i]))
-    }
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                Self(std::array::from_fn(|i| self.0[i] $symbol other.0[i]))
+            }
+        }
+    )*};
 }
 
-impl Sub for Lanes {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] - other.0[i]))
-    }
-}
-
-impl Mul for Lanes {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] * other.0[i]))
-    }
-}
-
-impl Div for Lanes {
-    type Output = Self;
-
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] / other.0[i]))
-    }
-}
+lane_wise!(Add::add + Sub::sub - Mul::mul * Div::div /);
 
 impl Neg for Lanes {
     type Output = Self;

@@ -4,12 +4,12 @@
 //! light's curve. A round solves the linear-quadratic problem of the guess:
 //!
 //! 1. *Backward sweep* ([`super::lqr`]). The inputs of the guess are held, and tangents replace the light's curve. It
-//!    starts at the last stage at which the guess has changed. The first sweep has free inputs alone ([`first_sweep`]).
+//!    starts at the last stage at which the guess has changed. The first sweep has free inputs alone ([`models`]).
 //! 2. *Row response* ([`response`]): effect of the working rows' multipliers on the trajectory.
 //! 3. *Complementarity* ([`dual`], [`super::complementarity`]): exact multipliers of these rows and of the
 //!    terminal equality.
 //! 4. *Forward sweep* ([`forward`]), which clamps every input to its bounds.
-//! 5. *New guess*: the clamped sides of the inputs, tangents at the new margins ([`tangents`]), and the rows that the
+//! 5. *New guess*: the clamped sides of the inputs, tangents at the new margins ([`models`]), and the rows that the
 //!    trajectory violates ([`rows`]).
 //!
 //! The trajectory is optimal under three conditions. No input changes sides, no further row is violated, and all
@@ -24,22 +24,19 @@
 //! second round, because the first one ignores the light.
 
 mod dual;
-mod first_sweep;
 mod forward;
 mod give_up;
 mod models;
 mod response;
 mod rows;
-mod tangents;
 
 use super::lqr::{Cost, LinearQuadratic, Sweep};
 use super::working_set::{Side, WorkingSet};
 use crate::kkt::Multipliers;
 use crate::problem::{Problem, Terminal};
-use first_sweep::FirstSweep;
 use forward::{Policy, Trajectory};
 use give_up::Progress;
-use models::Models;
+use models::{FirstSweep, Models};
 use response::RowResponse;
 use rows::{Update, WorkingRows};
 

@@ -6,8 +6,7 @@
 
 use multiversion::multiversion;
 
-use crate::limits::MAX_ROWS;
-use crate::problem::{Problem, dot};
+use crate::problem::{MAX_ROWS, Problem, dot};
 
 /// Largest number of rows treated at once.
 pub(super) const MAX_WORKING_ROWS: usize = 8;

@@ -6,14 +6,12 @@
 
 use super::bound::{Bound, StartPairs};
 use super::input::InputBarrier;
-use super::pairs::{Prediction, Targets};
-use super::path::PathBlock;
+use super::pairs::{PathBlock, Prediction, Targets};
 use crate::kkt::Multipliers;
-use crate::limits::MAX_ROWS;
-use crate::problem::Problem;
+use crate::problem::{MAX_ROWS, Problem};
 use crate::riccati::curve::{Curve, STIFFNESS};
 use crate::riccati::lanes::{Lanes, WIDTH};
-use crate::riccati::lqr::BlockModel;
+use crate::riccati::lqr::{BlockModel, BlockModels, Cost};
 use crate::riccati::working_set::WorkingSet;
 
 /// Distance of the first inputs from their bounds, as a fraction of the range.
@@ -140,5 +138,27 @@ impl Barriers {
         for bound in &self.bounds[self.rows..self.count] {
             bound.multipliers().for_each(|(k, mu)| multipliers.light[k] = mu);
         }
+    }
+}
+
+/// The iterate as models of the stages.
+pub(super) struct Models<'a> {
+    pub(super) r: f64,
+    pub(super) barriers: &'a mut Barriers,
+    pub(super) cost: &'a Cost,
+    pub(super) iterate: &'a [PathBlock],
+    /// Sum of the products of the pairs so far.
+    pub(super) gap: Lanes,
+}
+
+impl BlockModels for Models<'_> {
+    const IS_WHOLE: bool = false;
+
+    #[inline(always)]
+    fn block(&mut self, j: usize) -> BlockModel {
+        let PathBlock { u, x } = &self.iterate[j];
+        let mut model = self.cost.block_at(j, self.r, *u, x);
+        self.gap = self.gap + self.barriers.linearize(j, x, &mut model);
+        model
     }
 }

@@ -34,8 +34,8 @@
 //! again for the corrector. The pairs are processed in blocks of [`WIDTH`] stages, lane by lane,
 //! one block beside that of the sweep. A backward sweep needs the block ahead of it; a block behind
 //! a forward sweep needs the sweep. Neither waits for the other. Trajectories are stored in the
-//! same blocks, component by component ([`path`]). The predictor's backward sweep takes the models
-//! of a whole block ([`model`], [`super::lqr::BlockModel`]).
+//! same blocks, component by component ([`pairs`]). The predictor's backward sweep takes the models
+//! of a whole block ([`super::lqr::BlockModel`]).
 //!
 //! [`InteriorPoint::iterate`] is one iteration; [`crate::Riccati`] bounds their number. An
 //! iteration fails when its step cannot be represented, and then leaves the iterate unchanged.
@@ -43,9 +43,7 @@
 mod barriers;
 mod bound;
 mod input;
-mod model;
 mod pairs;
-mod path;
 
 use multiversion::multiversion;
 
@@ -54,11 +52,9 @@ use super::lqr::{CHAIN, Cost, CostToGo, GENERAL, LinearQuadratic, Shape, Sweep};
 use super::working_set::WorkingSet;
 use crate::kkt::Multipliers;
 use crate::problem::{Problem, Terminal, quadratic};
-use barriers::Barriers;
+use barriers::{Barriers, Models};
 use bound::StartPairs;
-use model::Models;
-use pairs::{Prediction, Targets, length, place};
-use path::{PathBlock, block, block_mut, path, state};
+use pairs::{PathBlock, Prediction, Targets, block, block_mut, length, path, place, state};
 
 /// Smallest initial slack of rows and light \[m or m/s\].
 const START_SLACK: f64 = 3.0;
