@@ -11,7 +11,6 @@
 //! holds from 1000 rpm on; below, q keeps its value at 1000 rpm. A smaller engine has torque, drag
 //! and fuel scaled by one factor.
 
-/// Idle speed \[rpm\].
 pub(crate) const IDLE_RPM: f64 = 600.0;
 /// First entry and step of the tables of limits \[rpm\].
 const TABLE_START_RPM: f64 = 600.0;

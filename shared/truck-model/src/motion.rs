@@ -67,14 +67,11 @@ pub struct Motion {
     pub acceleration_mps2: f64,
     /// Gear, counted from 0, the lowest.
     pub gear: usize,
-    /// Torque at the crankshaft \[N m\].
     pub engine_torque_nm: f64,
     /// Time since the last shift began \[s\].
     pub since_shift_s: f64,
     pub shifts: u32,
-    /// Fuel burnt \[g\].
     pub fuel_g: f64,
-    /// Energies since the start.
     pub ledger: Ledger,
 }
 

@@ -13,7 +13,6 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// All presets.
     pub const ALL: [Self; 2] = [Self::Jh6At49T, Self::Jh6At25T];
 
     /// Returns the name in scenarios and tables.
@@ -24,12 +23,10 @@ impl Preset {
         }
     }
 
-    /// Returns the preset of that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|preset| preset.name() == name)
     }
 
-    /// Returns the parameters of the vehicle.
     pub fn parameters(self) -> Parameters {
         match self {
             Self::Jh6At49T => Parameters {
@@ -90,6 +87,5 @@ pub struct Parameters {
     pub auxiliary_power_w: f64,
     /// Torque, drag, fuel and inertia relative to the 12.7 L, 325 kW engine.
     pub engine_scale: f64,
-    /// Inertia of all wheels \[kg m²\].
     pub wheel_inertia_kgm2: f64,
 }

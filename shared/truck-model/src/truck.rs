@@ -3,11 +3,8 @@
 use crate::engine::{Engine, IDLE_RPM, RADPS_PER_RPM};
 use crate::parameters::{GEARS, Parameters, Preset};
 
-/// Gravitational acceleration \[m/s²\].
 pub const GRAVITY_MPS2: f64 = 9.81;
-/// Density of air \[kg/m³\].
 pub const AIR_DENSITY_KGPM3: f64 = 1.188;
-/// Density of the fuel \[g/L\].
 pub const FUEL_DENSITY_GPL: f64 = 835.0;
 
 /// Inertia of the generic engine \[kg m²\].
@@ -41,7 +38,6 @@ pub struct Truck {
 }
 
 impl Truck {
-    /// Returns a truck with these parameters.
     pub fn new(parameters: Parameters) -> Self {
         let p = parameters;
         let radius2_m2 = p.wheel_radius_m * p.wheel_radius_m;
@@ -62,7 +58,6 @@ impl Truck {
         Self::new(preset.parameters())
     }
 
-    /// Returns the same truck with another mass.
     pub fn with_mass_kg(&self, mass_kg: f64) -> Self {
         Self::new(Parameters { mass_kg, ..self.parameters })
     }

@@ -45,7 +45,6 @@ enum Piece {
 #[derive(Clone, Debug)]
 pub(super) struct Complementarity<const M: usize> {
     ridge: f64,
-    /// Number of members.
     pub(super) len: usize,
     /// `S`.
     pub(super) response: [[f64; M]; M],
@@ -156,7 +155,6 @@ impl<const M: usize> Complementarity<M> {
         }
     }
 
-    /// Sets the target.
     #[inline(always)]
     fn aim(&mut self) {
         self.factor();

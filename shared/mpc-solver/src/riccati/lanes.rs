@@ -10,10 +10,8 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Number of lanes.
 pub(super) const WIDTH: usize = 4;
 
-/// The four numbers.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
 pub(super) struct Lanes(pub(super) [f64; WIDTH]);

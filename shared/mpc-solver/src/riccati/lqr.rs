@@ -287,7 +287,6 @@ impl CostToGo {
         TerminalSystem { factors: self.factors(), miss }
     }
 
-    /// Returns the factors of `W`.
     pub(super) fn factors(&self) -> Factors {
         let [w00, w11, w22, _] = self.dual.diagonal.0;
         let [w01, w12, w02, _] = self.dual.beside.0;

@@ -66,7 +66,6 @@ const INFEASIBILITY_INTERVAL: u32 = 4;
 /// Fraction of the linear residuals that a start must remove within its trial.
 const LEAST_PROGRESS: f64 = 0.1;
 
-/// Start of the interior point.
 struct InteriorStart {
     /// Factor on the distance from the boundary.
     distance: f64,

@@ -12,7 +12,6 @@ use crate::problem::MAX_ROWS;
 pub(super) enum Side {
     /// `u_min`.
     Lower = -1,
-    /// No bound: the input is free.
     #[default]
     Free = 0,
     /// `u_max`.

@@ -33,7 +33,6 @@ pub(super) struct Trajectory<'a> {
 }
 
 impl Policy<'_> {
-    /// Fills the trajectory.
     pub(super) fn simulate(&self, problem: &Problem, trajectory: &mut Trajectory) {
         match (self.lq.shape, self.lq.has_disturbance) {
             (CHAIN, false) => sweep_forward::<CHAIN, false>(self, problem, trajectory),

@@ -48,7 +48,6 @@ const EARLY_ROUNDS: u32 = 3;
 /// Relative distance from a curve that counts as zero.
 const ON_CURVE: f64 = 2e-9;
 
-/// Start of an attempt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum From {
     /// No guess.

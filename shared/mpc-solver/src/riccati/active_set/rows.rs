@@ -24,7 +24,6 @@ pub(super) struct WorkingRow {
     pub(super) multiplier: f64,
 }
 
-/// Result of an update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Update {
     /// All rows outside of the set hold.
@@ -169,7 +168,6 @@ impl WorkingRows {
     }
 }
 
-/// Returns whether `z` violates a row with limit `h`.
 #[inline(always)]
 fn is_violated(z: f64, h: f64) -> bool {
     z > TOLERANCE * h.abs().max(1.0)

@@ -101,7 +101,6 @@ impl Barriers {
         }
     }
 
-    /// Advances block `j` by the step.
     #[inline(always)]
     pub(super) fn advance(&mut self, j: usize, du: Lanes, length: f64) {
         self.input.advance(j, du, length);

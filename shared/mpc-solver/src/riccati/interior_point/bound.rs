@@ -157,7 +157,6 @@ impl Bound {
         block.below.set(lane, s, multiplier);
     }
 
-    /// Returns the number of pairs.
     pub(super) fn pairs(&self) -> usize {
         let Form { penalty, is_capped, .. } = self.form;
         let families = 1 + usize::from(penalty.is_some()) + usize::from(is_capped);
@@ -282,7 +281,6 @@ impl Bound {
         }
     }
 
-    /// Advances a block by the step.
     #[inline(always)]
     pub(super) fn advance(&mut self, j: usize, length: f64) {
         let form = self.form;

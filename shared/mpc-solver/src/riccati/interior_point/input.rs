@@ -42,12 +42,10 @@ impl InputBarrier {
         }
     }
 
-    /// Returns the number of pairs.
     pub(super) fn pairs(&self) -> usize {
         2 * WIDTH * self.count
     }
 
-    /// Returns `u_k`.
     #[inline(always)]
     pub(super) fn value(&self, k: usize) -> f64 {
         let (j, lane) = place(k);
@@ -94,7 +92,6 @@ impl InputBarrier {
         upper.correct(-(du * upper.per_slack), limit);
     }
 
-    /// Advances a block by the step.
     #[inline(always)]
     pub(super) fn advance(&mut self, j: usize, du: Lanes, length: f64) {
         let Some(block) = self.blocks[..self.count].get_mut(j) else { return };

@@ -74,7 +74,6 @@ const MOST_NEGLECTED: f64 = 30.0;
 const MARGIN: f64 = 0.01;
 const SHORT_MARGIN: f64 = 0.1;
 
-/// Result of an iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     /// Mean product of the pairs before the step.
@@ -329,7 +328,6 @@ impl InteriorPoint {
         (y, limit)
     }
 
-    /// Advances the iterate by the step.
     #[inline(always)]
     fn advance(&mut self, problem: &Problem, length: f64, y: [f64; 3]) {
         let part = Lanes::all(length);

@@ -95,7 +95,6 @@ impl Pairs {
         prediction.neglected = prediction.neglected + self.target;
     }
 
-    /// Sets the corrector's targets.
     #[inline(always)]
     pub(super) fn set_targets(&mut self, targets: Targets) {
         let Targets { product, trust, most } = targets;
@@ -124,7 +123,6 @@ impl Pairs {
         std::array::from_fn(|lane| slack[lane] < multiplier[lane])
     }
 
-    /// Advances the pairs by the step.
     #[inline(always)]
     pub(super) fn advance(&mut self, length: f64) {
         let (length, r) = (Lanes::all(length), self.relative);
@@ -162,7 +160,6 @@ pub(super) struct PathBlock {
 }
 
 impl PathBlock {
-    /// Sets the state of a stage.
     #[inline(always)]
     pub(super) fn set_state(&mut self, lane: usize, x: &[f64; 3]) {
         for i in 0..3 {

@@ -74,7 +74,6 @@ struct StageVectors<R> {
     carried: [f64; 3],
 }
 
-/// Performs [`LinearQuadratic::factor`].
 #[multiversion(targets("x86_64+avx2"))]
 fn backward<const SHAPE: Shape, R: Row + Default, M: BlockModels>(
     lq: &LinearQuadratic,

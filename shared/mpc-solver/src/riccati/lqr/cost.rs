@@ -44,7 +44,6 @@ struct Linear {
     input: Lanes,
 }
 
-/// Cost in blocks.
 #[derive(Clone, Debug)]
 pub(in crate::riccati) struct Cost {
     /// Quadratic cost of all blocks but the last, and of the last one.

@@ -45,7 +45,6 @@ impl Condensed {
         }
     }
 
-    /// Returns column `j` of `S`.
     #[inline(always)]
     pub(super) fn column(&self, j: usize) -> &[f64] {
         &self.response[j * self.stride..(j + 1) * self.stride]

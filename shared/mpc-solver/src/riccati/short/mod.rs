@@ -35,7 +35,6 @@ const TOLERANCE: f64 = 1e-10;
 /// settle in a round or two, and each round costs less than the columns of the members.
 const MOST_HELD: usize = 8;
 
-/// Start of an attempt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ShortStart {
     /// The members of the last solution, moved forward by this number of steps.
@@ -125,7 +124,6 @@ impl Short {
         Some(rounds)
     }
 
-    /// Writes the bounds of all left sides.
     #[inline(always)]
     fn set_bounds(&mut self, problem: &Problem) {
         let (n, stride) = (problem.horizon, self.condensed.stride);
