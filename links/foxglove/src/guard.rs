@@ -41,30 +41,22 @@ pub(crate) enum Refusal {
 /// [`Refusal::User`], or [`Refusal::Gone`].
 pub(crate) fn check_user(stream: &TcpStream) -> Result<(), Refusal> {
     let (peer, local) = (stream.peer_addr()?, stream.local_addr()?);
-    let mut is_readable = false;
-    for table in ["/proc/self/net/tcp", "/proc/self/net/tcp6"] {
-        let Ok(text) = fs::read_to_string(table) else { continue };
-        is_readable = true;
-        if let Some(user) = user_of(&text, peer, local) {
-            let own = rustix::process::getuid().as_raw();
-            let is_allowed = user == own || user == 0;
-            return if is_allowed { Ok(()) } else { Err(Refusal::User(user, own)) };
-        }
+    let tables = ["/proc/self/net/tcp", "/proc/self/net/tcp6"].map(fs::read_to_string);
+    let own = rustix::process::getuid().as_raw();
+    match tables.iter().flatten().find_map(|table| user_of(table, peer, local)) {
+        Some(user) if user != own && user != 0 => Err(Refusal::User(user, own)),
+        None if tables.iter().any(Result::is_ok) => Err(Refusal::Gone),
+        // A sandbox without these tables has no other users.
+        Some(_) | None => Ok(()),
     }
-    // A sandbox without these tables has no other users.
-    if is_readable { Err(Refusal::Gone) } else { Ok(()) }
 }
 
 /// User whose socket `from` is connected to `to`, by the kernel's table. A socket for IPv6 has the IPv4 address at the
 /// end of its own.
 fn user_of(table: &str, from: SocketAddr, to: SocketAddr) -> Option<u32> {
-    let written = |address: SocketAddr| match address {
-        SocketAddr::V4(v4) => {
-            Some(format!("{:08X}:{:04X}", u32::from_ne_bytes(v4.ip().octets()), v4.port()))
-        }
-        SocketAddr::V6(_) => None,
-    };
-    let (from, to) = (written(from)?, written(to)?);
+    let (SocketAddr::V4(from), SocketAddr::V4(to)) = (from, to) else { return None };
+    let [from, to] = [from, to]
+        .map(|v4| format!("{:08X}:{:04X}", u32::from_ne_bytes(v4.ip().octets()), v4.port()));
     table.lines().find_map(|line| {
         let mut words = line.split_whitespace().skip(1);
         let ends = words.next()?.ends_with(&from) && words.next()?.ends_with(&to);

@@ -73,12 +73,9 @@ pub(crate) fn advertise_service(name: &str, [request, response]: [Value; 2]) -> 
     json!({ "op": "advertiseServices", "services": [service] }).to_string()
 }
 
-/// The parameters of these names, or all without a name.
-pub(crate) fn parameter_values(
-    all: &[Parameter],
-    names: &[String],
-    request: Option<&str>,
-) -> String {
+/// The parameters that a request names, or all without a name.
+pub(crate) fn parameter_values(all: &[Parameter], request: &Asked) -> String {
+    let names = &request.parameter_names;
     let asked = |(name, _): &&Parameter| names.is_empty() || names.contains(name);
     let one = |(name, value): &Parameter| match value.is_f64() {
         true => json!({ "name": name, "value": value, "type": "float64" }),
@@ -86,8 +83,8 @@ pub(crate) fn parameter_values(
     };
     let parameters: Vec<Value> = all.iter().filter(asked).map(one).collect();
     let mut answer = json!({ "op": "parameterValues", "parameters": parameters });
-    if let Some(request) = request {
-        answer["id"] = request.into();
+    if let Some(id) = &request.id {
+        answer["id"] = id.as_str().into();
     }
     answer.to_string()
 }
@@ -116,27 +113,18 @@ pub(crate) fn time(time: u64) -> Vec<u8> {
     [&[TIME], &time.to_le_bytes()[..]].concat()
 }
 
-/// A client's text.
+/// A client's text. Its operation says which of the other fields it has.
 #[derive(Debug, PartialEq, Deserialize)]
-#[serde(tag = "op", rename_all = "camelCase", rename_all_fields = "camelCase")]
-pub(crate) enum Asked {
-    Subscribe {
-        subscriptions: Vec<Subscription>,
-    },
-    Unsubscribe {
-        subscription_ids: Vec<u32>,
-    },
-    GetParameters {
-        #[serde(default)]
-        parameter_names: Vec<String>,
-        id: Option<String>,
-    },
-    SetParameters {
-        id: Option<String>,
-    },
-    /// A request of a part of the protocol that this server does not offer.
-    #[serde(other)]
-    Other,
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Asked {
+    pub(crate) op: String,
+    #[serde(default)]
+    pub(crate) subscriptions: Vec<Subscription>,
+    #[serde(default)]
+    pub(crate) subscription_ids: Vec<u32>,
+    #[serde(default)]
+    pub(crate) parameter_names: Vec<String>,
+    pub(crate) id: Option<String>,
 }
 
 #[derive(Debug, PartialEq, Deserialize)]
@@ -166,12 +154,14 @@ mod tests {
     #[test]
     fn texts_of_clients_are_read_and_unknown_ones_are_passed_over() {
         let read = |text: &str| serde_json::from_str::<Asked>(text).ok();
-        let subscriptions = vec![Subscription { id: 7, channel_id: 2 }];
         let text = r#"{"op":"subscribe","subscriptions":[{"id":7,"channelId":2}]}"#;
-        assert_eq!(read(text), Some(Asked::Subscribe { subscriptions }));
-        let text = r#"{"op":"unsubscribe","subscriptionIds":[7]}"#;
-        assert_eq!(read(text), Some(Asked::Unsubscribe { subscription_ids: vec![7] }));
-        assert_eq!(read(r#"{"op":"subscribeConnectionGraph"}"#), Some(Asked::Other));
+        let asked = read(text).expect("a text");
+        assert_eq!(asked.op, "subscribe");
+        assert_eq!(asked.subscriptions, [Subscription { id: 7, channel_id: 2 }]);
+        let asked = read(r#"{"op":"unsubscribe","subscriptionIds":[7]}"#).expect("a text");
+        assert_eq!((asked.op.as_str(), asked.subscription_ids), ("unsubscribe", vec![7]));
+        assert!(read(r#"{"op":"subscribeConnectionGraph","nodes":3}"#).is_some());
+        assert_eq!(read(r#"{"subscriptions":[]}"#), None);
         assert_eq!(read(r#"{"op":"subscribe","subscriptions":[{"id":-1,"channelId":2}]}"#), None);
         assert_eq!(read("[]"), None);
     }

@@ -134,7 +134,6 @@ impl Server {
         Ok(Self { port, hub })
     }
 
-    /// The port.
     pub fn port(&self) -> u16 {
         self.port
     }

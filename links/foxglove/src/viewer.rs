@@ -190,8 +190,9 @@ impl Viewer<'_> {
 
     fn take_text(&self, text: &str, socket: &mut Socket) -> Result<(), Refusal> {
         let all = &self.subject.parameters;
-        match serde_json::from_str(text)? {
-            Asked::Subscribe { subscriptions } => subscriptions.iter().try_for_each(|one| {
+        let asked: Asked = serde_json::from_str(text)?;
+        match asked.op.as_str() {
+            "subscribe" => asked.subscriptions.iter().try_for_each(|one| {
                 if usize::from(one.channel_id) >= self.subject.channels.len() {
                     let text = format!("there is no channel {}", one.channel_id);
                     return send(socket, protocol::status(&text));
@@ -201,20 +202,19 @@ impl Viewer<'_> {
                 own.insert(one.id, one.channel_id);
                 if own.len() > MOST_SUBSCRIPTIONS { Err(Refusal::Subscriptions) } else { Ok(()) }
             }),
-            Asked::Unsubscribe { subscription_ids } => {
+            "unsubscribe" => {
                 let mut hub = lock(self.hub);
                 let own = hub.viewers.entry(self.id).or_default();
-                own.retain(|id, _| !subscription_ids.contains(id));
+                own.retain(|id, _| !asked.subscription_ids.contains(id));
                 Ok(())
             }
-            Asked::GetParameters { parameter_names, id } => {
-                send(socket, protocol::parameter_values(all, &parameter_names, id.as_deref()))
-            }
-            Asked::SetParameters { id } => {
+            "getParameters" => send(socket, protocol::parameter_values(all, &asked)),
+            "setParameters" => {
                 send(socket, protocol::status("the keys of a run are fixed when it starts"))?;
-                send(socket, protocol::parameter_values(all, &[], id.as_deref()))
+                send(socket, protocol::parameter_values(all, &asked))
             }
-            Asked::Other => Ok(()),
+            // A request of a part of the protocol that this server does not offer.
+            _ => Ok(()),
         }
     }
 

@@ -169,22 +169,15 @@ impl<'a> Launcher<'a> {
         let begun = Instant::now();
         for (node, member) in self.members.iter_mut().enumerate() {
             for process in &mut member.processes {
-                let how = loop {
-                    match process.attendant.receive(Duration::from_millis(20)) {
-                        Some(FromService::Ready(granted)) => {
-                            member.granted = Some(granted);
-                            break None;
-                        }
-                        Some(FromService::Failed(how)) => break Some(format!("fails: {how}")),
+                loop {
+                    let how = match process.attendant.receive(Duration::from_millis(20)) {
+                        Some(FromService::Ready(granted)) => break member.granted = Some(granted),
+                        Some(FromService::Failed(how)) => format!("fails: {how}"),
                         _ if interrupted.load(Ordering::Relaxed) => return Err(Error::Interrupted),
-                        _ if process.attendant.is_gone() => break Some("ended at once".to_owned()),
-                        _ if begun.elapsed() > PATIENCE => {
-                            break Some("is not ready in time".to_owned());
-                        }
-                        _ => {}
-                    }
-                };
-                if let Some(how) = how {
+                        _ if process.attendant.is_gone() => "ended at once".to_owned(),
+                        _ if begun.elapsed() > PATIENCE => "is not ready in time".to_owned(),
+                        _ => continue,
+                    };
                     let name = self.graph.nodes[node].name.as_str();
                     return Err(MachineError(format!("node {name} {how}")).into());
                 }

@@ -55,9 +55,8 @@ impl Graph {
     /// Reads what the launcher wrote below the root of a run.
     fn read(root: &Path) -> Result<Self, Error> {
         let path = root.join(FILE);
-        let text = std::fs::read_to_string(&path).map_err(Error::path("read", &path))?;
         let mistake = |why| UsageError::at(path.display(), why, "a graph of this program");
-        Ok(serde_json::from_str(&text).map_err(mistake)?)
+        Ok(serde_json::from_str(&Error::text_of(&path, "graph")?).map_err(mistake)?)
     }
 
     fn write(&self, root: &Path) -> Result<(), Error> {

@@ -15,16 +15,13 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use supervise::MachineError;
 
-/// Processor time between two looks at the clock, ns: a look is a system call.
-const LOOK_NS: i64 = 5_000;
-/// Rounds by which the speed of the processor is measured.
-const PROBE: u64 = 200_000;
+/// Rounds of the spin between two looks at the clock, some microseconds: a look is a system call.
+const ROUNDS: u64 = 3_000;
 
 /// The work of a node's cycles.
 #[derive(Debug)]
 pub enum Work {
-    /// Rounds of the spin between two looks.
-    Spin(u64),
+    Spin,
     Program(Program),
 }
 
@@ -38,15 +35,9 @@ pub struct Program {
 }
 
 impl Work {
-    /// The work of `node`. A spin is calibrated. A program is started, with the node's priority if the node has that
-    /// itself.
+    /// The work of `node`. A program is started, with the node's priority if the node has that itself.
     pub fn of(node: &Node, has_priority: bool) -> Result<Self, MachineError> {
-        let Some(command) = &node.program else {
-            let begun_ns = processor_ns();
-            spin(PROBE);
-            let probe_ns = (processor_ns() - begun_ns).max(1) as u64;
-            return Ok(Self::Spin((PROBE * LOOK_NS.unsigned_abs() / probe_ns).max(1)));
-        };
+        let Some(command) = &node.program else { return Ok(Self::Spin) };
         let words = shlex::split(command).unwrap_or_default();
         let Some((program, arguments)) = words.split_first() else {
             return Err(MachineError(format!("cannot start `{command}`")));
@@ -72,10 +63,10 @@ impl Work {
         question: impl FnOnce() -> String,
     ) -> Result<(), MachineError> {
         match self {
-            Self::Spin(rounds) => {
+            Self::Spin => {
                 let end_ns = processor_ns() + load_ns;
                 while load_ns > 0 && processor_ns() < end_ns {
-                    spin(*rounds);
+                    spin();
                 }
                 Ok(())
             }
@@ -111,9 +102,9 @@ fn processor_ns() -> i64 {
 }
 
 /// Rounds that each depend on the previous one.
-fn spin(rounds: u64) {
+fn spin() {
     let mut state = 1_u64;
-    for _ in 0..rounds {
+    for _ in 0..ROUNDS {
         state = black_box(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
     }
 }
@@ -132,7 +123,7 @@ mod tests {
 
     #[test]
     fn a_spin_takes_its_processor_time_and_not_much_more_rounds_than_asked() {
-        let mut work = Work::of(&node(""), false).expect("calibrated");
+        let mut work = Work::of(&node(""), false).expect("a spin needs nothing");
         let begun_ns = processor_ns();
         work.run(2_000_000, String::new).expect("a spin does not fail");
         assert!(processor_ns() - begun_ns >= 2_000_000);

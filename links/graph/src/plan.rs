@@ -168,12 +168,10 @@ impl Graph {
         self.nodes.iter().position(|node| node.name.as_str() == name)
     }
 
-    /// Node that publishes a topic.
     pub fn writer(&self, topic: &str) -> Option<usize> {
         self.nodes.iter().position(|node| node.publishes.iter().any(|one| one == topic))
     }
 
-    /// Nodes that read a topic.
     pub fn readers(&self, topic: &str) -> impl Iterator<Item = (usize, &Node)> {
         let reads = move |(_, node): &(usize, &Node)| node.inputs().any(|one| one == topic);
         self.nodes.iter().enumerate().filter(reads)
@@ -188,14 +186,12 @@ impl Graph {
     }
 
     /// Chains that go over a topic, each with its number of nodes up to there.
-    pub fn chains_over(&self, topic: &str) -> Vec<(usize, usize)> {
-        let of = |chain: usize| {
-            let places = 0..self.chains[chain].path.len();
-            let place =
-                places.into_iter().find(|&p| self.link(chain, p).is_some_and(|t| t == topic));
+    pub fn chains_over(&self, topic: &str) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.chains.len()).filter_map(move |chain| {
+            let mut places = 0..self.chains[chain].path.len();
+            let place = places.find(|place| self.link(chain, *place).is_some_and(|t| t == topic));
             Some((chain, place? + 1))
-        };
-        (0..self.chains.len()).filter_map(of).collect()
+        })
     }
 
     fn check(&self) -> Result<(), Problem> {
@@ -235,25 +231,26 @@ impl Graph {
             return Err(Problem::new(format!("{path}.name"), message, "another name"));
         }
         within(&format!("{path}.load_us"), node.load_us, (0.0, 10e6), "µs")?;
-        match node.period_ms {
-            Some(period_ms) => within(&format!("{path}.period_ms"), period_ms, PERIOD_MS, "ms")?,
-            None if node.trigger.is_empty() => {
+        match (node.period_ms, node.trigger.is_empty()) {
+            (Some(period_ms), true) => {
+                within(&format!("{path}.period_ms"), period_ms, PERIOD_MS, "ms")?;
+            }
+            (Some(_), false) => {
+                let message = format!("`{name}` has a period and a trigger");
+                let expected = "one of both; a topic that releases nothing belongs into `reads`";
+                return Err(Problem::new(format!("{path}.trigger"), message, expected));
+            }
+            (None, true) => {
                 let expected = "`period_ms`, or `trigger` with the topics that release it";
                 return Err(Problem::new(path, format!("`{name}` is never released"), expected));
             }
-            None => {}
-        }
-        if node.period_ms.is_some() && !node.trigger.is_empty() {
-            let message = format!("`{name}` has a period and a trigger");
-            let expected = "one of both; a topic that releases nothing belongs into `reads`";
-            return Err(Problem::new(format!("{path}.trigger"), message, expected));
+            (None, false) => {}
         }
         if let Some(command) = &node.program {
             let (words, here) = (shlex::split(command), std::env::current_dir());
             let found = runtime::executable(&words.unwrap_or_default(), &here.unwrap_or_default());
-            found.map_err(|error| {
-                Problem::new(format!("{path}.program"), error.message, error.expected)
-            })?;
+            let path = format!("{path}.program");
+            found.map_err(|error| Problem::new(path, error.message, error.expected))?;
         }
         for (key, topics) in
             [("trigger", &node.trigger), ("reads", &node.reads), ("publishes", &node.publishes)]

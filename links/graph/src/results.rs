@@ -179,13 +179,8 @@ pub fn document(
         });
         for (node, parts) in chain.path.iter().zip(times.parts.chunks(PARTS)) {
             let [wait_us, wake_us, work_us] = [0, 1, 2].map(|part| Us::from(&parts[part]));
-            hops.push(HopRow {
-                chain: name.clone(),
-                node: node.clone(),
-                wait_us,
-                wake_us,
-                work_us,
-            });
+            let (chain, node) = (name.clone(), node.clone());
+            hops.push(HopRow { chain, node, wait_us, wake_us, work_us });
         }
         let mut sample = |figure: &str, value: fn(&Percentiles) -> f64| {
             let values = blocks.iter().map(|block| block.percentiles_us().as_ref().map(value));
@@ -255,11 +250,10 @@ pub fn document(
     let Host { cpus, kernel, realtime_kernel } = &report.host;
     let kind = if *realtime_kernel { ", real-time kernel" } else { "" };
     let facts = report.refused.iter().map(|why| ("not granted", why.clone()));
-    let table = |heading, columns: &[Column<_>], rows| Table::new(heading, columns, rows);
     let document = Document::new("graph", &format!("Graph {}", report.graph), &report)
         .about(format!("{cpus} processors, Linux {kernel}{kind}, {} s", report.seconds))
         .facts("Not granted", facts)
-        .table(table("Chains", &chain_columns(), &report.chains))
+        .table(Table::new("Chains", &chain_columns(), &report.chains))
         .figures("Chains", grid(&pictures))
         .table(Table::new("Hops", &hop_columns(), &report.hops).blocks("chain").without_cases())
         .table(Table::new("Nodes", &node_columns(), &report.nodes).without_cases())
@@ -278,11 +272,7 @@ fn fault_columns() -> [Column<Record>; 5] {
     [
         number("t_s", "t", "s", 3, "Run time of the begin"),
         word("fault", "fault", "Fault, or an end that was not asked for"),
-        micros(
-            "detected_after_us",
-            "noticed after",
-            "Until the launcher or the standby noticed it",
-        ),
+        micros("detected_after_us", "noticed after", "Until launcher or standby noticed it"),
         micros("recovered_after_us", "back after", "Until the first cycle of the next process"),
         word("recovered_by", "by", "How it came back"),
     ]

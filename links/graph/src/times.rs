@@ -19,7 +19,6 @@ const NODE: usize = 8;
 pub struct Page(SharedWords);
 
 impl Page {
-    /// The page of the run of `group`.
     pub fn map(group: &Group) -> Result<Self, MachineError> {
         const { assert!((NODE + 2) * MOST <= 1024, "a page has room for all") };
         let page = SharedWords::map(&format!("{}graph", group.prefix));
@@ -94,11 +93,8 @@ impl Reactions {
         let of = &graph.chains[chain];
         let file = |name: usize| Figures::open(group, format!("chain{chain}.{name}"));
         let late = file(0)?.count("late")?;
-        let mut opened = 0;
-        let mut open = |name: &str| {
-            opened += 1;
-            file((opened - 1) / IN_FILE)?.latencies(name)
-        };
+        let mut places = 0..;
+        let mut open = |name: &str| file(places.next().unwrap_or(0) / IN_FILE)?.latencies(name);
         let blocks = (0..BLOCKS).map(|block| open(&format!("block {block}")));
         let blocks = blocks.collect::<Result<_, _>>()?;
         let names: Vec<String> = (0..PARTS * of.path.len()).map(|part| part.to_string()).collect();

@@ -42,8 +42,8 @@ impl Layout {
             trails.push((chain, begin..used));
         }
         let number = graph.topics.keys().position(|known| known == topic).unwrap_or_default();
-        let data_id =
-            (number as u32 + 1) << 16 | (graph.writer(topic).unwrap_or_default() as u32 + 1);
+        let writer = graph.writer(topic).unwrap_or_default();
+        let data_id = (number as u32 + 1) << 16 | (writer as u32 + 1);
         Self { length: used.max(graph.topics[topic] as usize), used, trails, data_id }
     }
 
