@@ -46,6 +46,13 @@ struct Sent {
     payload: Vec<u8>,
 }
 
+impl Sent {
+    /// Bytes that it takes in the queue.
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + self.payload.len()
+    }
+}
+
 /// Channels by the numbers that a viewer gave its subscriptions.
 pub(crate) type Subscriptions = BTreeMap<u32, u16>;
 
@@ -69,12 +76,12 @@ pub(crate) fn lock(hub: &Mutex<Hub>) -> MutexGuard<'_, Hub> {
 
 impl Hub {
     fn put(&mut self, message: Sent) {
-        self.bytes += message.payload.len();
+        self.bytes += message.bytes();
         self.sent.push_back(message);
         while self.bytes > MOST_WAITING
             && let Some(oldest) = self.sent.pop_front()
         {
-            self.bytes -= oldest.payload.len();
+            self.bytes -= oldest.bytes();
             self.dropped += 1;
         }
     }
@@ -194,5 +201,25 @@ pub(crate) fn report(address: SocketAddr, what: &str, why: &str) {
         line if line < MOST => tracing::warn!("viewer {address} was {what}: {why}"),
         MOST => tracing::warn!("no more lines about viewers"),
         _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_alone_fills_the_queue_no_further_than_messages_do() {
+        let mut hub = Hub::default();
+        for unix_ns in 0..1_000_000 {
+            hub.put(Sent { channel: None, unix_ns, payload: Vec::new() });
+        }
+        assert!(hub.sent.len() < 500_000 && hub.next() == 1_000_000, "{}", hub.sent.len());
+        hub.viewers.insert(7, [(1, 0)].into());
+        let mut next = 0;
+        let (is_late, words) = hub.take(7, &mut next).expect("the oldest that is left");
+        assert!(is_late && words.len() == 1 && next == hub.dropped + 1);
+        let (is_late, _) = hub.take(7, &mut next).expect("the one behind it");
+        assert!(!is_late);
     }
 }

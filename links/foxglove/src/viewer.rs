@@ -20,6 +20,8 @@ const HANDSHAKE: Duration = Duration::from_secs(5);
 pub(crate) const PATIENCE: Duration = Duration::from_secs(10);
 /// Longest wait for a question before the next look at what was sent.
 const LOOK: Duration = Duration::from_millis(10);
+/// Most messages that are handed on between two looks at its questions.
+const MOST_AT_ONCE: u32 = 1_000;
 /// Most subscriptions of a viewer.
 const MOST_SUBSCRIPTIONS: usize = 100;
 /// Longest message of a viewer, bytes.
@@ -168,9 +170,9 @@ impl Viewer<'_> {
         }
     }
 
-    /// Hands on all that waits for the viewer; true if the server ends.
+    /// Hands on what waits for the viewer; true if the server ends. A slow viewer is asked in between.
     fn hand_on(&mut self, socket: &mut Socket) -> Result<bool, Refusal> {
-        loop {
+        for _ in 0..MOST_AT_ONCE {
             let hub = lock(self.hub);
             let Some((is_late, messages)) = hub.take(self.id, &mut self.next) else {
                 self.has_lost = false;
@@ -186,6 +188,7 @@ impl Viewer<'_> {
             }
             messages.into_iter().try_for_each(|message| send(socket, message))?;
         }
+        Ok(false)
     }
 
     fn take_text(&self, text: &str, socket: &mut Socket) -> Result<(), Refusal> {
