@@ -113,7 +113,7 @@ impl Unit {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         let (keys, plane) = (&scenario.v2x.obu, road_plane(&scenario.v2x.origin));
         let period_ns = i64::from(scenario.v2x.period_ms.value()) * 1_000_000;
-        let net = scenario.traffic.route().and_then(|_| scenario.road.plan());
+        let net = scenario.traffic.route.as_ref().and(scenario.road.plan());
         let axis = net.map(|plan| plan.axis().clone());
         let max_age_ms = keys.max_age_ms.value().into();
         let mut receiver = Receiver::new(keys.station_id.value(), max_age_ms, plane);

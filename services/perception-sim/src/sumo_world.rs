@@ -38,7 +38,7 @@ impl SumoWorld {
         runtime: &mut Runtime,
         scenario: &Scenario,
     ) -> Result<Option<Self>, RuntimeError> {
-        let (Some(config), Some(route)) = (&scenario.traffic.sumo, scenario.traffic.route()) else {
+        let (Some(config), Some(route)) = (&scenario.traffic.sumo, &scenario.traffic.route) else {
             return Ok(None);
         };
         let settings = Settings {

@@ -62,7 +62,7 @@ impl UnitCar {
             directory: unit.parent().unwrap_or(Path::new("/")).to_path_buf(),
             patience: PATIENCE,
             silence: SILENCE,
-            supervision: scenario.supervision,
+            supervision: scenario.supervision.clone(),
         };
         let speed_mps = plant.initial_speed_mps.value();
         let proof = Proof {

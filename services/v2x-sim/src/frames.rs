@@ -98,7 +98,12 @@ impl Frames {
             range_m: v2x.range_m.value(),
             period_ns: v2x.period_ms.nanoseconds(),
             plane: road_plane(&v2x.origin),
-            axis: scenario.traffic.route().and_then(|_| Some(scenario.road.plan()?.axis().clone())),
+            axis: scenario
+                .traffic
+                .route
+                .as_ref()
+                .and(scenario.road.plan())
+                .map(|plan| plan.axis().clone()),
         }
     }
 

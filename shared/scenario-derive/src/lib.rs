@@ -15,7 +15,7 @@
 //! ```
 //!
 //! The derive supports structs and externally tagged enums. It supports serde's attributes `default`, `rename`,
-//! `rename_all` (`kebab-case`, `snake_case`), `from`, `try_from`, `skip` and `skip_deserializing`.
+//! `rename_all` of variants (`kebab-case`, `snake_case`), `expecting`, `skip` and `skip_deserializing`.
 
 mod serde;
 mod tables;
@@ -24,7 +24,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{Data, DeriveInput, Error, Expr, ExprLit, Field, Fields, Lit, Meta};
 
-use crate::serde::{Fallback, Serde};
+use crate::serde::Serde;
 
 /// Implements `scenario::schema::Schema`: see the crate's documentation.
 #[proc_macro_derive(Schema, attributes(serde))]
@@ -45,104 +45,65 @@ pub fn tables(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
 fn expand(input: &DeriveInput) -> Result<TokenStream, Error> {
     let name = &input.ident;
     let container = Serde::of(&input.attrs)?;
-    let body = if let Some(other) = &container.from {
-        same_as(&quote!(#other))
-    } else {
-        match &input.data {
-            Data::Struct(data) => of_struct(&container, &data.fields)?,
-            Data::Enum(data) => {
-                let variants = data.variants.iter().map(|variant| {
-                    let own = Serde::of(&variant.attrs)?;
-                    let name = own.rename.unwrap_or_else(|| {
-                        container.rename_all.of_variant(&variant.ident.to_string())
-                    });
-                    let meaning = meaning(&variant.attrs);
-                    let shape = match &variant.fields {
-                        Fields::Unit => quote!(::core::option::Option::None),
-                        fields => {
-                            let shape = shape_of(&Serde::default(), fields)?;
-                            quote!(::core::option::Option::Some(#shape))
-                        }
-                    };
-                    Ok(quote!(::scenario::schema::Variant {
-                        name: #name.to_owned(),
-                        meaning: #meaning.to_owned(),
-                        shape: #shape,
-                    }))
-                });
-                let variants = variants.collect::<Result<Vec<_>, Error>>()?;
-                shape_only(&quote!(::scenario::schema::Shape::Choice(::std::vec![#(#variants),*])))
-            }
-            Data::Union(_) => return Err(Error::new_spanned(name, "a union has no keys")),
+    let shape = match &input.data {
+        Data::Struct(data) => shape_of(&container, &data.fields)?,
+        Data::Enum(data) => {
+            let variants = data.variants.iter().map(|variant| {
+                let own = Serde::of(&variant.attrs)?;
+                let spelled = || container.spelled(&variant.ident.to_string());
+                let (name, meaning) = (own.rename.unwrap_or_else(spelled), meaning(&variant.attrs));
+                let shape = match &variant.fields {
+                    Fields::Unit => quote!(::core::option::Option::None),
+                    fields => {
+                        let shape = shape_of(&Serde::default(), fields)?;
+                        quote!(::core::option::Option::Some(#shape))
+                    }
+                };
+                Ok(quote!(::scenario::schema::Variant {
+                    name: #name.to_owned(),
+                    meaning: #meaning.to_owned(),
+                    shape: #shape,
+                }))
+            });
+            let variants = variants.collect::<Result<Vec<_>, Error>>()?;
+            quote!(::scenario::schema::Shape::Choice(::std::vec![#(#variants),*]))
         }
+        Data::Union(_) => return Err(Error::new_spanned(name, "a union has no keys")),
     };
     Ok(quote! {
         impl ::scenario::schema::Schema for #name {
-            #body
+            fn shape() -> ::scenario::schema::Shape {
+                #shape
+            }
         }
     })
 }
 
-fn of_struct(container: &Serde, fields: &Fields) -> Result<TokenStream, Error> {
-    match fields {
-        Fields::Unnamed(fields) if fields.unnamed.len() == 1 => {
-            let inner = &fields.unnamed[0].ty;
-            Ok(same_as(&quote!(#inner)))
-        }
-        fields => Ok(shape_only(&shape_of(container, fields)?)),
-    }
-}
-
-/// The functions of a type that reads as `other` does.
-fn same_as(other: &TokenStream) -> TokenStream {
-    quote! {
-        fn shape() -> ::scenario::schema::Shape {
-            <#other as ::scenario::schema::Schema>::shape()
-        }
-
-        fn expected() -> ::core::option::Option<::std::string::String> {
-            <#other as ::scenario::schema::Schema>::expected()
-        }
-    }
-}
-
-fn shape_only(shape: &TokenStream) -> TokenStream {
-    quote! {
-        fn shape() -> ::scenario::schema::Shape {
-            #shape
-        }
-    }
-}
-
 /// The shape of the value that is read into `fields`.
 fn shape_of(container: &Serde, fields: &Fields) -> Result<TokenStream, Error> {
-    let types = |fields: &Fields| {
-        let shapes = fields
-            .iter()
-            .map(|Field { ty, .. }| quote!(<#ty as ::scenario::schema::Schema>::shape()));
-        shapes.collect::<Vec<_>>()
+    if let Fields::Named(named) = fields {
+        let keys = named.named.iter().map(|field| key(container, field));
+        let keys = keys.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten();
+        let defaults = container.default.as_ref().map(|_| {
+            let all = quote!(&<Self as ::core::default::Default>::default());
+            quote!(let defaults = ::scenario::schema::written(#all);)
+        });
+        return Ok(quote!({
+            #defaults
+            ::scenario::schema::Shape::Table(::std::vec![#(#keys),*])
+        }));
+    }
+    let shape = |field: &Field| {
+        let of = &field.ty;
+        quote!(<#of as ::scenario::schema::Schema>::shape())
     };
-    Ok(match fields {
-        Fields::Named(named) => {
-            let keys = named.named.iter().map(|field| key(container, field));
-            let keys = keys.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten();
-            let defaults = container.default.as_ref().map(|_| {
-                let all = quote!(&<Self as ::core::default::Default>::default());
-                quote!(let defaults = ::scenario::schema::written(#all);)
-            });
-            quote!({
-                #defaults
-                ::scenario::schema::Shape::Table(::std::vec![#(#keys),*])
-            })
-        }
-        Fields::Unnamed(unnamed) if unnamed.unnamed.len() == 1 => {
-            types(fields).pop().unwrap_or_default()
-        }
-        _ => {
-            let types = types(fields);
-            let usual = || format!("a list of {} values", types.len());
+    let shapes: Vec<_> = fields.iter().map(shape).collect();
+    Ok(match shapes.as_slice() {
+        [only] => only.clone(),
+        all => {
+            let usual = || format!("a list of {} values", all.len());
             let words = container.expecting.clone().unwrap_or_else(usual);
-            quote!(::scenario::schema::Shape::Tuple(::std::vec![#(#types),*], #words))
+            quote!(::scenario::schema::Shape::Tuple(::std::vec![#(#all),*], #words))
         }
     })
 }
@@ -153,14 +114,14 @@ fn key(container: &Serde, field: &Field) -> Result<Option<TokenStream>, Error> {
     if own.skip {
         return Ok(None);
     }
-    let ident = field.ident.as_ref().map(ToString::to_string).unwrap_or_default();
-    let name = own.rename.unwrap_or_else(|| container.rename_all.of_field(&ident));
+    let ident = || field.ident.as_ref().map(ToString::to_string).unwrap_or_default();
+    let name = own.rename.unwrap_or_else(ident);
     let meaning = meaning(&field.attrs);
     let ty = &field.ty;
     let written = |value: TokenStream| quote!(Some(::scenario::schema::written(&#value)));
     let default = match (&own.default, &container.default) {
-        (Some(Fallback::Trait), _) => written(quote!(<#ty as ::core::default::Default>::default())),
-        (Some(Fallback::Function(path)), _) => written(quote!(#path())),
+        (Some(None), _) => written(quote!(<#ty as ::core::default::Default>::default())),
+        (Some(Some(path)), _) => written(quote!(#path())),
         (None, Some(_)) => quote!(Some(defaults.as_ref().and_then(|all| all.get(#name)).cloned())),
         (None, None) => quote!(None),
     };

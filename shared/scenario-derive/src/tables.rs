@@ -6,7 +6,7 @@ use syn::parse::{Parse, ParseStream};
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Error, Expr, Fields, Ident, ItemEnum, Lit, Token, Type, Visibility, braced};
 
-use crate::serde::{Case, Serde};
+use crate::serde::{Serde, is_serde};
 
 /// The declarations of one call.
 pub(crate) struct Tables(Vec<TokenStream>);
@@ -168,13 +168,15 @@ fn words(item: &ItemEnum) -> Result<TokenStream, Error> {
 
 /// The words of an enum that has no more.
 fn list(item: &ItemEnum) -> Result<TokenStream, Error> {
-    let own = Serde::of(&item.attrs)?;
-    let case = if item.attrs.iter().any(is_serde) { own.rename_all } else { Case::Kebab };
+    let mut own = Serde::of(&item.attrs)?;
+    if !item.attrs.iter().any(is_serde) {
+        own.separator = Some('-');
+    }
     let (name, count) = (&item.ident, item.variants.len());
     let variants: Vec<_> = item.variants.iter().map(|variant| &variant.ident).collect();
     let names = item.variants.iter().map(|variant| {
         let renamed = Serde::of(&variant.attrs)?.rename;
-        Ok(renamed.unwrap_or_else(|| case.of_variant(&variant.ident.to_string())))
+        Ok(renamed.unwrap_or_else(|| own.spelled(&variant.ident.to_string())))
     });
     let names = names.collect::<Result<Vec<_>, Error>>()?;
     Ok(quote! {
@@ -191,10 +193,6 @@ fn list(item: &ItemEnum) -> Result<TokenStream, Error> {
             }
         }
     })
-}
-
-fn is_serde(attribute: &Attribute) -> bool {
-    attribute.path().is_ident("serde")
 }
 
 /// True for `Option<...>`.

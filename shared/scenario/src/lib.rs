@@ -94,7 +94,7 @@ tables! {
         /// Name.
         pub name: Name,
         /// Its subject, in one line.
-        pub description: Line = default,
+        pub description: Line = "",
         /// Duration of the run, s.
         pub duration_s: Duration = 10.0,
         /// Seed of all random numbers.

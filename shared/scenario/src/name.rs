@@ -64,10 +64,3 @@ texts! {
         line.chars().count() <= 500 && !line.chars().any(char::is_control)
     };
 }
-
-#[expect(clippy::derivable_impls, reason = "a name, which the macro makes too, has no default")]
-impl Default for Line {
-    fn default() -> Self {
-        Self(String::new())
-    }
-}

@@ -8,7 +8,6 @@ use frame::batch::{self, Job};
 use runtime::Mode;
 use scenario::Scenario;
 use scenario::faults::{Effect, Target};
-use scenario::supervision::Standbys;
 use std::time::Duration;
 use supervise::{Error, GroupOptions, ScenarioOptions, UsageError, absent};
 
@@ -54,7 +53,7 @@ pub fn fault_free(campaign: &Campaign, plan: &Plan) -> Result<Vec<(String, Scena
         let Job { mut scenario, .. } = job(campaign, &planned)?;
         scenario.faults.clear();
         // In simulated time no process ends, and a standby is refused.
-        scenario.supervision.standby = Standbys::default();
+        scenario.supervision.standby.clear();
         supervise::check_simulated(&scenario)?;
         Ok((planned.scenario, scenario))
     };

@@ -57,8 +57,8 @@ pub fn check_processes(
         return check_simulated(scenario);
     }
     check_radio(scenario, mode)?;
-    let services = scenario.supervision.standby.services();
-    match services.into_iter().find(|service| programs.contains_key(service)) {
+    let mut services = scenario.supervision.standby.iter();
+    match services.find(|service| programs.contains_key(service)) {
         Some(service) => {
             let why = "a standby is a process of timegap's own";
             let expected = "no program in the place of a service with a standby";
@@ -85,7 +85,7 @@ pub fn check_simulated(scenario: &Scenario) -> Result<(), UsageError> {
     check_radio(scenario, Mode::Lockstep)?;
     check_faults_in_lockstep(scenario)
         .map_err(|problem| UsageError::at(problem.path, problem.message, problem.expected))?;
-    match scenario.supervision.standby.services().first() {
+    match scenario.supervision.standby.first() {
         Some(service) => {
             let place =
                 format_args!("supervision.standby: a standby for {service} needs --mode realtime");

@@ -5,7 +5,7 @@ use crate::law::Input;
 use messages::{Course, Curves, LateralMotion, Origin};
 use runtime::{Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
-use scenario::sumo_traffic::SumoRoute;
+use scenario::sumo_traffic::Route;
 
 /// Time by which the cap precedes a speed limit, s: as before curves, since laws follow a falling set speed late.
 const LEAD_S: f64 = 2.0;
@@ -21,7 +21,7 @@ pub(super) struct CurveTopics {
     own: OwnWay,
     speed: CurveSpeed,
     /// Speed limits along the road, and the braking before them, m/s².
-    limits: Option<(SumoRoute, f64)>,
+    limits: Option<(Route, f64)>,
 }
 
 impl CurveTopics {
@@ -60,7 +60,7 @@ impl CurveTopics {
 
     /// Caps the set speed of `input`. `requested_mps2` is what the last command asked for.
     pub(super) fn cap(&mut self, input: &mut Input, requested_mps2: f64) {
-        if let Some((SumoRoute(route), braking_mps2)) = &self.limits {
+        if let Some((route, braking_mps2)) = &self.limits {
             let (place_m, lead_m) = (input.ego.position_m, LEAD_S * input.ego.speed_mps.max(0.0));
             let allowed_mps = route.allowed_mps(place_m, *braking_mps2, lead_m);
             input.set_speed_mps = input.set_speed_mps.min(allowed_mps);

@@ -105,7 +105,7 @@ fn aebs(scenario: &Scenario) -> Result<(), Problem> {
 /// A standby needs a service, and one that may go on after its process ended.
 fn standby(scenario: &Scenario) -> Result<(), Problem> {
     let supervision = &scenario.supervision;
-    for service in supervision.standby.services() {
+    for &service in &supervision.standby {
         refuse!(if !scenario.services().contains(&service), "supervision.standby":
             "a standby for {service}, which the scenario does not have", "services of the scenario");
         refuse!(if supervision.restart_of(service) == Restart::Never, "supervision.standby":
@@ -242,8 +242,7 @@ fn carrier(scenario: &Scenario) -> Result<(), Problem> {
     refuse!(if !is_default(&scenario.v2x.air), "v2x.air":
         "the air is simulated for the frames of simulated units alone",
         "v2x.radio = \"frames\"", against "v2x.radio");
-    let standbys = scenario.supervision.standby.services();
-    refuse!(if standbys.contains(&Service::V2xSim), "supervision.standby":
+    refuse!(if scenario.supervision.standby.contains(&Service::V2xSim), "supervision.standby":
         "two processes of v2x-sim cannot have the radio",
         "v2x.radio = \"frames\"", against "v2x.radio");
     Ok(())

@@ -24,7 +24,7 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Problem> {
         ("road.plan.pieces", !plan.pieces.is_empty()),
         ("road.plan.generated", plan.generated.is_some()),
         ("road.plan.opendrive", plan.opendrive.is_some()),
-        ("traffic.sumo", plan.route.is_some()),
+        ("traffic.sumo", scenario.traffic.route.is_some()),
     ];
     refuse!(if sources.iter().all(|(_, given)| !given),
         "road.plan": "this plan has no road", "`pieces`, `generated` or `opendrive`");

@@ -150,9 +150,7 @@ impl Controller {
 
     /// Settles where the program of a foreign law runs; `own` is the scenario file's directory.
     pub(crate) fn place_command(&mut self, own: Option<&Path>) {
-        if !self.command.is_empty() {
-            self.directory = place_of(&self.command, self.directory.take(), own);
-        }
+        self.directory = place_of(&self.command, self.directory.take(), own);
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::controller::place_of;
 use scenario_derive::tables;
 use serde::{Deserialize, Serialize};
 use toml::Value;
@@ -47,6 +48,11 @@ impl OwnLaw {
         self.command.iter().cloned().chain(unit_words(&self.arguments, &self.map)).collect()
     }
 
+    /// Settles where the program runs; `own` is the scenario file's directory.
+    pub(crate) fn place_command(&mut self, own: Option<&Path>) {
+        self.directory = place_of(&self.command, self.directory.take(), own);
+    }
+
     pub fn variables(&self) -> Vec<(String, String)> {
         self.env.iter().map(|(key, Word(value))| (key.clone(), value.clone())).collect()
     }
@@ -78,13 +84,6 @@ impl TryFrom<Value> for Word {
                 Err(format!("invalid value: {other}, expected a text, a number or a truth value"))
             }
         }
-    }
-}
-
-/// Settles where the laws' programs run; `own` is the scenario file's directory.
-pub(crate) fn place(laws: &mut OwnLaws, own: Option<&Path>) {
-    for law in laws.values_mut() {
-        law.directory = crate::controller::place_of(&law.command, law.directory.take(), own);
     }
 }
 

@@ -242,11 +242,11 @@ impl Perception {
 #[serde(try_from = "i64", into = "i64")]
 pub enum Swerling {
     /// No fluctuation.
-    Case0,
+    Case0 = 0,
     /// Many equal parts.
-    Case1,
+    Case1 = 1,
     /// One strong part among many.
-    Case3,
+    Case3 = 3,
 }
 
 const CASES: &str = "Swerling's case 0, 1 or 3";
@@ -265,21 +265,14 @@ impl TryFrom<i64> for Swerling {
     type Error = String;
 
     fn try_from(case: i64) -> Result<Self, String> {
-        match case {
-            0 => Ok(Self::Case0),
-            1 => Ok(Self::Case1),
-            3 => Ok(Self::Case3),
-            other => Err(format!("{other} is out of range, expected {CASES}")),
-        }
+        let mut all = [Self::Case0, Self::Case1, Self::Case3].into_iter();
+        let refused = || format!("{case} is out of range, expected {CASES}");
+        all.find(|known| *known as i64 == case).ok_or_else(refused)
     }
 }
 
 impl From<Swerling> for i64 {
     fn from(swerling: Swerling) -> i64 {
-        match swerling {
-            Swerling::Case0 => 0,
-            Swerling::Case1 => 1,
-            Swerling::Case3 => 3,
-        }
+        swerling as i64
     }
 }

@@ -40,7 +40,7 @@ kinds! {
             /// The service that it acts on.
             service: Service,
             /// Number of kills.
-            #[serde(default = "three")]
+            #[serde(default = "count::<3>")]
             times: Count,
             /// Time from the start of each next process to its kill, ms. If absent, it is killed as soon as it takes
             /// part.
@@ -86,7 +86,7 @@ kinds! {
         /// Bits of it are flipped.
         Corrupt = "corrupt" => {
             /// Number of flipped bits in a message.
-            #[serde(default = "one")]
+            #[serde(default = "count::<1>")]
             bits: Count,
         }
     }
@@ -220,17 +220,11 @@ impl Effect {
     }
 
     pub const fn of_channels(&self) -> Option<&ChannelFault> {
-        match self {
-            Self::Channel(fault) => Some(fault),
-            Self::Process(_) | Self::Sender(_) => None,
-        }
+        if let Self::Channel(fault) = self { Some(fault) } else { None }
     }
 
     pub const fn of_senders(&self) -> Option<&SenderFault> {
-        match self {
-            Self::Sender(fault) => Some(fault),
-            Self::Process(_) | Self::Channel(_) => None,
-        }
+        if let Self::Sender(fault) = self { Some(fault) } else { None }
     }
 }
 
@@ -240,12 +234,8 @@ impl std::fmt::Display for Kind {
     }
 }
 
-fn three() -> Count {
-    Count::of(3)
-}
-
-fn one() -> Count {
-    Count::of(1)
+fn count<const N: u16>() -> Count {
+    Count::of(N)
 }
 
 fn no_jitter() -> DelayMs {

@@ -2,18 +2,16 @@
 //!
 //! In simulated time a restart could not repeat exactly: there the end of a service ends the run.
 
-use scenario_derive::tables;
-use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 use messages::Service;
+use scenario_derive::tables;
 
 use super::PerService;
 use crate::quantity::{Count, DelayMs, Duration};
-use crate::schema::{Schema, Shape};
 
 tables! {
     /// Restart policy and heartbeats.
-    #[derive(Copy)]
     pub struct Supervision {
         /// Condition for a service to be started again.
         pub restart: Restart = OnFailure,
@@ -35,7 +33,7 @@ tables! {
         pub prepared: bool = true,
         /// Services with a standby. It is a second process that computes and sends nothing. It takes the service over
         /// when the active one ends or hangs. In realtime only.
-        pub standby: Standbys = default,
+        pub standby: BTreeSet<Service> = default,
         /// Time without a completed cycle, beyond its own period, after which a standby takes over, ms.
         pub standby_timeout_ms: DelayMs = 50,
     }
@@ -64,42 +62,5 @@ impl Supervision {
         let wait_ms = u64::from(self.backoff_ms.value()).saturating_mul(1 << doublings);
         let wait_ms = if row == 0 { 0 } else { wait_ms.min(self.max_backoff_ms.value().into()) };
         std::time::Duration::from_millis(wait_ms)
-    }
-}
-
-/// Services with a standby. A service's descriptor says whether it can have one: the plant cannot, because there is one
-/// vehicle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "Vec<Service>", into = "Vec<Service>")]
-pub struct Standbys([bool; Service::ALL.len()]);
-
-impl Schema for Standbys {
-    fn shape() -> Shape {
-        let all = Service::ALL.into_iter().filter(|service| service.descriptor().can_stand_by);
-        let words = all.map(|service| service.name().to_owned()).collect();
-        Shape::List(Box::new(Shape::Text { words }))
-    }
-}
-
-impl Standbys {
-    pub fn services(self) -> Vec<Service> {
-        Service::ALL.into_iter().filter(|service| self.contains(*service)).collect()
-    }
-
-    /// True if `service` has a standby.
-    pub const fn contains(self, service: Service) -> bool {
-        self.0[service.index()]
-    }
-}
-
-impl From<Vec<Service>> for Standbys {
-    fn from(list: Vec<Service>) -> Self {
-        Self(Service::ALL.map(|service| list.contains(&service)))
-    }
-}
-
-impl From<Standbys> for Vec<Service> {
-    fn from(standbys: Standbys) -> Self {
-        standbys.services()
     }
 }

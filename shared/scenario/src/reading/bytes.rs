@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::document::Document;
+use super::document::{Document, Origin};
 use super::error::ScenarioError;
 use super::open::Place;
 use super::reads::Reads;
@@ -50,7 +50,7 @@ impl Scenario {
             .map_err(|e| whole(&format!("the bytes are not a tree of values: {e}")))?;
         let toml::Value::Table(keys) = tree.into() else { return Err(whole("no table of keys")) };
         let none = Overrides::new();
-        let document = Document::of_values(keys, &none);
+        let document = Document::new(Origin::Values, keys, &none)?;
         Self::of_document(&document, Place::TakenEffect, &|_| Ok(Reads::everything()))
     }
 }

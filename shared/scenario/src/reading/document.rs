@@ -30,7 +30,7 @@ pub(crate) struct Document<'a> {
 
 /// Origin of the keys that no option sets.
 #[derive(Clone, Copy)]
-enum Origin<'a> {
+pub(super) enum Origin<'a> {
     Text {
         source: &'a str,
         text: &'a str,
@@ -52,13 +52,23 @@ struct Place {
 }
 
 impl<'a> Document<'a> {
-    /// Parses `text` and lays `overrides` over it, in their order.
+    /// Lays `overrides` over the keys of `origin`, in their order.
+    pub(super) fn new(
+        origin: Origin<'a>,
+        root: Table,
+        overrides: &'a Overrides,
+    ) -> Result<Self, ScenarioError> {
+        let root = overrides.laid_over(root)?;
+        Ok(Self { origin, overrides, root })
+    }
+
+    /// Parses `text`; `source` stands for it in errors.
     pub(crate) fn parse(
         source: &'a str,
         text: &'a str,
         overrides: &'a Overrides,
     ) -> Result<Self, ScenarioError> {
-        Self::of_parsed(source, text, Self::root_of(source, text)?, overrides)
+        Self::new(Origin::Text { source, text }, Self::root_of(source, text)?, overrides)
     }
 
     /// The keys of a text.
@@ -78,38 +88,6 @@ impl<'a> Document<'a> {
             };
             ScenarioError::at(source, text, span, &message).expecting(expected)
         })
-    }
-
-    /// Lays `overrides` over the keys of a text that was parsed before.
-    pub(crate) fn of_parsed(
-        source: &'a str,
-        text: &'a str,
-        root: Table,
-        overrides: &'a Overrides,
-    ) -> Result<Self, ScenarioError> {
-        Self::with(Origin::Text { source, text }, root, overrides)
-    }
-
-    /// Takes the keys of a file of another format, and lays `overrides` over them.
-    pub(crate) fn of_foreign(
-        keys: &'a Foreign,
-        overrides: &'a Overrides,
-    ) -> Result<Self, ScenarioError> {
-        Self::with(Origin::Foreign(keys), keys.table.clone(), overrides)
-    }
-
-    fn with(
-        origin: Origin<'a>,
-        root: Table,
-        overrides: &'a Overrides,
-    ) -> Result<Self, ScenarioError> {
-        let root = overrides.laid_over(root)?;
-        Ok(Self { origin, overrides, root })
-    }
-
-    /// Takes values that a program has, with `overrides` over them already.
-    pub(crate) fn of_values(root: Table, overrides: &'a Overrides) -> Self {
-        Self { origin: Origin::Values, overrides, root }
     }
 
     /// Reads the document into a type that does not declare its keys.

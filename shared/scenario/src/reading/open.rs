@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
-use super::document::{Document, MAX_TEXT_BYTES};
+use super::document::{Document, MAX_TEXT_BYTES, Origin};
 use super::error::{Refusal, ScenarioError};
 use super::law_tables::LawTables;
 use super::load::load;
@@ -16,7 +16,7 @@ use super::{form, text_file};
 use crate::controller::Release;
 use crate::quantity::PeriodMs;
 use crate::storyboard::Storyboard;
-use crate::{SCHEMA_VERSION, Scenario, builtin, check, faults, own_law, road, translation};
+use crate::{SCHEMA_VERSION, Scenario, builtin, check, faults, road, table, translation};
 
 /// A check that only the control laws have: the keys that the scenario's law reads.
 type Check<'a> = &'a dyn Fn(&Scenario) -> Result<Reads, Problem>;
@@ -38,7 +38,7 @@ impl Scenario {
         source_name: &str,
         text: &str,
         overrides: &Overrides,
-        check: &dyn Fn(&Self) -> Result<Reads, Problem>,
+        check: Check<'_>,
     ) -> Result<Self, ScenarioError> {
         let document = Document::parse(source_name, text, overrides)?;
         Self::of_document(&document, Place::TakenEffect, check)
@@ -57,7 +57,7 @@ impl Scenario {
         own.option("schema_version", "schema_version", SCHEMA_VERSION);
         settings.iter().cloned().for_each(|setting| own.set(setting));
         let root = own.laid_over(Table::new())?;
-        let document = Document::of_values(overrides.laid_over(root)?, overrides);
+        let document = Document::new(Origin::Values, root, overrides)?;
         Self::of_document(&document, Place::TakenEffect, check)
     }
 
@@ -69,7 +69,7 @@ impl Scenario {
     pub fn open(
         argument: &str,
         overrides: &Overrides,
-        check: &dyn Fn(&Self) -> Result<Reads, Problem>,
+        check: Check<'_>,
     ) -> Result<Self, ScenarioError> {
         Source::read(argument)?.open(overrides, check)
     }
@@ -83,10 +83,10 @@ impl Scenario {
         path: &Path,
         choices: &openscenario::Choices,
         overrides: &Overrides,
-        check: &dyn Fn(&Self) -> Result<Reads, Problem>,
+        check: Check<'_>,
     ) -> Result<Self, translation::OpenError> {
         let (keys, storyboard) = translation::translated(path, choices)?;
-        let document = Document::of_foreign(&keys, overrides)?;
+        let document = Document::new(Origin::Foreign(&keys), keys.table.clone(), overrides)?;
         Ok(Self::of_document(&document, Place::BuiltIn(Some(&storyboard)), check)?)
     }
 
@@ -118,7 +118,7 @@ impl Scenario {
         scenario.follow_other_keys(is_written);
         let directory = place.directory();
         scenario.controller.place_command(directory);
-        own_law::place(&mut scenario.laws, directory);
+        scenario.laws.values_mut().for_each(|law| law.place_command(directory));
         scenario.plant.place_unit(directory);
         scenario.v2x.radio.place(directory);
         let of_records = load(&mut scenario, document, directory)?;
@@ -247,14 +247,11 @@ impl Source {
         let name =
             crate::translation::word(path.file_stem().and_then(|stem| stem.to_str()), "sumo");
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let value = |text: String| Value::String(text);
-        let traffic = [("sumo", value(file)), ("ego", value(ego.to_owned()))];
-        let traffic = traffic.map(|(key, value)| (key.to_owned(), value));
-        let root = Table::from_iter([
-            ("schema_version".to_owned(), Value::Integer(SCHEMA_VERSION.into())),
-            ("name".to_owned(), value(name)),
-            ("traffic".to_owned(), Value::Table(Table::from_iter(traffic))),
-        ]);
+        let root = table! {
+            schema_version: SCHEMA_VERSION,
+            name: name,
+            traffic: table! { sumo: file, ego: ego },
+        };
         let directory = Some(path.parent().unwrap_or(path).to_owned());
         Self { name: path.display().to_string(), text: root.to_string(), root, directory }
     }
@@ -264,13 +261,9 @@ impl Source {
     ///
     /// # Errors
     /// When something in the file or in an override is wrong.
-    pub fn open(
-        &self,
-        overrides: &Overrides,
-        check: &dyn Fn(&Scenario) -> Result<Reads, Problem>,
-    ) -> Result<Scenario, ScenarioError> {
-        let Self { name, text, root, directory } = self;
-        let document = Document::of_parsed(name, text, root.clone(), overrides)?;
+    pub fn open(&self, overrides: &Overrides, check: Check<'_>) -> Result<Scenario, ScenarioError> {
+        let Self { name: source, text, root, directory } = self;
+        let document = Document::new(Origin::Text { source, text }, root.clone(), overrides)?;
         let place = directory.as_deref().map_or(Place::BuiltIn(None), Place::In);
         Scenario::of_document(&document, place, check)
     }

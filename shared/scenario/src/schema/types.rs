@@ -5,41 +5,50 @@ use messages::Service;
 use openscenario::model::action::Shape as Course;
 use openscenario::road::Driven;
 use road::LaneLines;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-/// A number without a range.
-macro_rules! numbers {
-    ($($number:ty, $is_whole:literal;)+) => {$(
-        impl Schema for $number {
+macro_rules! shapes {
+    ($($(#[doc = $about:literal])* $type:ty: $shape:expr;)+) => {$(
+        $(#[doc = $about])*
+        impl Schema for $type {
             fn shape() -> Shape {
-                Shape::Number { is_whole: $is_whole, range: None, unit: "" }
+                $shape
             }
         }
     )+};
 }
 
-numbers! {
-    f64, false;
-    u32, true;
-}
-
-impl Schema for bool {
-    fn shape() -> Shape {
-        Shape::Boolean
-    }
-}
-
-impl Schema for String {
-    fn shape() -> Shape {
-        Shape::Text { words: Vec::new() }
-    }
-}
-
-impl Schema for PathBuf {
-    fn shape() -> Shape {
-        String::shape()
-    }
+shapes! {
+    bool: Shape::Boolean;
+    f64: Shape::Number { is_whole: false, range: None, unit: "" };
+    u32: Shape::Number { is_whole: true, range: None, unit: "" };
+    String: Shape::Text { words: Vec::new() };
+    PathBuf: String::shape();
+    /// A table that its reader keeps as it is.
+    toml::Table: Shape::Free;
+    /// A line along a road of a file: reading the file fills it.
+    Driven: Shape::Free;
+    /// A route in a net of SUMO: reading the net fills it.
+    sumo::Route: Shape::Free;
+    /// Lines of lanes: a list of stations.
+    LaneLines: {
+        let number = Shape::Number { is_whole: false, range: None, unit: "m" };
+        Shape::List(Box::new(Shape::List(Box::new(number))))
+    };
+    Service: words(Self::ALL.map(Self::name));
+    /// Services with a standby. Their descriptors say whether they can have one: the plant cannot, because there is one
+    /// vehicle.
+    BTreeSet<Service>: {
+        let all = Service::ALL.into_iter().filter(|service| service.descriptor().can_stand_by);
+        let words = all.map(|service| service.name().to_owned()).collect();
+        Shape::List(Box::new(Shape::Text { words }))
+    };
+    Course: {
+        let all = [Self::Linear, Self::Cubic, Self::Sinusoidal, Self::Step];
+        let names = all.map(|course| toml::Value::try_from(course).expect("a word"));
+        words(names.each_ref().map(|name| name.as_str().unwrap_or_default()))
+    };
 }
 
 impl<T: Schema> Schema for Option<T> {
@@ -64,43 +73,6 @@ impl<T: Schema> Schema for Vec<T> {
 impl<T: 'static> Schema for BTreeMap<String, T> {
     fn shape() -> Shape {
         Shape::Free
-    }
-}
-
-/// Lines of lanes: a list of stations.
-impl Schema for LaneLines {
-    fn shape() -> Shape {
-        let number = Shape::Number { is_whole: false, range: None, unit: "m" };
-        Shape::List(Box::new(Shape::List(Box::new(number))))
-    }
-}
-
-/// A line along a road of a file: reading the file fills it.
-impl Schema for Driven {
-    fn shape() -> Shape {
-        Shape::Free
-    }
-}
-
-/// A table that its reader keeps as it is.
-impl Schema for toml::Table {
-    fn shape() -> Shape {
-        Shape::Free
-    }
-}
-
-impl Schema for Service {
-    fn shape() -> Shape {
-        words(Self::ALL.map(Self::name))
-    }
-}
-
-impl Schema for Course {
-    fn shape() -> Shape {
-        let all = [Self::Linear, Self::Cubic, Self::Sinusoidal, Self::Step];
-        let name = |course: Self| toml::Value::try_from(course).expect("a word");
-        let names = all.map(name);
-        words(names.each_ref().map(|name| name.as_str().unwrap_or_default()))
     }
 }
 

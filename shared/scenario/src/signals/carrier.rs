@@ -29,26 +29,6 @@ pub enum CarrierAddress {
     Capture { file: PathBuf },
 }
 
-/// Text that is not a carrier's address.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CarrierAddressError {
-    #[error(
-        "`{0}` names no carrier, expected udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5 or pcap:FILE"
-    )]
-    Scheme(String),
-    #[error(
-        "`{0}` is not an IP address with a port, expected udp://239.255.3.1:5520 or udp://[ff02::114]:5520"
-    )]
-    Socket(String),
-    /// Port 0 cannot be listened on by agreement.
-    #[error("port 0 is not a port to agree on, expected 1 to 65535")]
-    Port,
-    #[error("`{0}` is not an option of udp://, expected ?interface=NAME")]
-    Option(String),
-    #[error("`{0}` lacks the file, expected {0}FILE")]
-    File(&'static str),
-}
-
 impl CarrierAddress {
     /// True for UDP to a group, of which several vehicles can be members.
     pub fn is_multicast(&self) -> bool {
@@ -69,50 +49,54 @@ impl CarrierAddress {
     pub fn is_live(&self) -> bool {
         !matches!(self, Self::Capture { .. })
     }
+
+    /// The address in a text; `None` if it names no carrier.
+    pub(crate) fn read(text: &str) -> Option<Result<Self, String>> {
+        if text == "zenoh" {
+            return Some(Ok(Self::Zenoh { configuration: None }));
+        }
+        let (scheme, rest) = text.split_once(':')?;
+        let file = || match rest {
+            "" => Err(format!("`{scheme}:` lacks the file, expected {scheme}:FILE")),
+            path => Ok(PathBuf::from(path)),
+        };
+        Some(match scheme {
+            "udp" => udp(rest.strip_prefix("//")?),
+            "zenoh" => file().map(|file| Self::Zenoh { configuration: Some(file) }),
+            "pcap" => file().map(|file| Self::Capture { file }),
+            _ => return None,
+        })
+    }
 }
 
 impl FromStr for CarrierAddress {
-    type Err = CarrierAddressError;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, CarrierAddressError> {
-        if let Some(rest) = text.strip_prefix("udp://") {
-            return udp(rest);
-        }
-        if text == "zenoh" {
-            return Ok(Self::Zenoh { configuration: None });
-        }
-        let file = |rest: &str, scheme| match rest {
-            "" => Err(CarrierAddressError::File(scheme)),
-            path => Ok(PathBuf::from(path)),
-        };
-        if let Some(rest) = text.strip_prefix("zenoh:") {
-            return Ok(Self::Zenoh { configuration: Some(file(rest, "zenoh:")?) });
-        }
-        if let Some(rest) = text.strip_prefix("pcap:") {
-            return Ok(Self::Capture { file: file(rest, "pcap:")? });
-        }
-        Err(CarrierAddressError::Scheme(text.to_owned()))
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::read(text).unwrap_or_else(|| {
+            let expected = "udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5 or pcap:FILE";
+            Err(format!("`{text}` names no carrier, expected {expected}"))
+        })
     }
 }
 
-fn udp(rest: &str) -> Result<CarrierAddress, CarrierAddressError> {
-    let (socket, option) = match rest.split_once('?') {
-        Some((socket, option)) => (socket, Some(option)),
-        None => (rest, None),
-    };
-    let address: SocketAddr =
-        socket.parse().map_err(|_| CarrierAddressError::Socket(socket.to_owned()))?;
+fn udp(rest: &str) -> Result<CarrierAddress, String> {
+    let (socket, option) =
+        rest.split_once('?').map_or((rest, None), |(socket, option)| (socket, Some(option)));
+    let address: SocketAddr = socket.parse().map_err(|_| {
+        let expected = "udp://239.255.3.1:5520 or udp://[ff02::114]:5520";
+        format!("`{socket}` is not an IP address with a port, expected {expected}")
+    })?;
+    // It cannot be agreed on.
     if address.port() == 0 {
-        return Err(CarrierAddressError::Port);
+        return Err("port 0 is not a port to agree on, expected 1 to 65535".to_owned());
     }
-    let interface = match option {
-        None => None,
-        Some(option) => match option.strip_prefix("interface=") {
-            Some(name) if !name.is_empty() => Some(name.to_owned()),
-            _ => return Err(CarrierAddressError::Option(option.to_owned())),
-        },
+    let name = |option: &str| {
+        let name = option.strip_prefix("interface=").filter(|name| !name.is_empty());
+        let refused = || format!("`{option}` is not an option of udp://, expected ?interface=NAME");
+        name.map(str::to_owned).ok_or_else(refused)
     };
-    Ok(CarrierAddress::Udp { address, interface })
+    Ok(CarrierAddress::Udp { address, interface: option.map(name).transpose()? })
 }
 
 impl fmt::Display for CarrierAddress {

@@ -4,7 +4,7 @@ use scenario_derive::tables;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-use crate::carrier::{CarrierAddress, CarrierAddressError};
+use crate::carrier::CarrierAddress;
 use crate::quantity::{
     DelayMs, DriftPpm, Duration, Heading, IntersectionId, Latitude, Longitude, MapShift, OffsetMs,
     Probability, Shift, StationId, Time,
@@ -74,12 +74,10 @@ impl TryFrom<String> for Radio {
         match text.as_str() {
             "direct" => Ok(Self::Direct),
             "frames" => Ok(Self::Frames),
-            other => other.parse().map(Self::Carrier).map_err(|error| match error {
-                CarrierAddressError::Scheme(text) => {
-                    format!("`{text}` is not a radio, expected {RADIOS}")
-                }
-                error => error.to_string(),
-            }),
+            other => match CarrierAddress::read(other) {
+                Some(address) => address.map(Self::Carrier),
+                None => Err(format!("`{other}` is not a radio, expected {RADIOS}")),
+            },
         }
     }
 }

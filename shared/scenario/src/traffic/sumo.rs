@@ -12,9 +12,10 @@
 
 use std::path::Path;
 
+pub use sumo::Route;
+
 use messages::Service;
 use scenario_derive::tables;
-use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 use crate::actor::{Actor, MAX_ACTORS, Profile};
@@ -23,10 +24,9 @@ use crate::lateral::LateralModel;
 use crate::name::Name;
 use crate::plan::{Lanes, Start};
 use crate::quantity::{
-    Distance, Duration, IntersectionId, Lateral, Length, SignalGroupId, Speed, Time,
+    Distance, Duration, IntersectionId, Lateral, Length, OutOfRange, SignalGroupId, Speed, Time,
 };
-use crate::reading::{Document, Refusal, ScenarioError};
-use crate::schema::{Schema, Shape};
+use crate::reading::{Document, Refusal, ScenarioError, refuse};
 use crate::supervision::Restart;
 use crate::v2x::{MAX_SIGNALS, Phase, ProgramPhase, Signal};
 use crate::{Problem, Scenario};
@@ -50,27 +50,7 @@ tables! {
         /// Longest wait for an answer of SUMO, s of the wall.
         pub deadline_s: Duration = 10.0,
         /// The ego's route as it was read from the net.
-        pub route: Option<SumoRoute>,
-    }
-}
-
-/// A route of SUMO's net, as it was read.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct SumoRoute(pub sumo::Route);
-
-impl Schema for SumoRoute {
-    /// Reading a net fills it.
-    fn shape() -> Shape {
-        Shape::Free
-    }
-}
-
-impl Traffic {
-    /// The route, if SUMO has the traffic.
-    #[must_use]
-    pub fn route(&self) -> Option<&sumo::Route> {
-        self.route.as_ref().map(|SumoRoute(route)| route)
+        pub route: Option<sumo::Route>,
     }
 }
 
@@ -87,55 +67,62 @@ pub(crate) fn load(
             return Err(Problem::new("traffic.ego", "missing key `ego`", expected).into());
         };
         let route = sumo::read_route(file, ego, scenario.plant.length_m.value());
-        let route = route.map_err(|error| ScenarioError::whole_of(&error))?;
-        traffic.route = Some(SumoRoute(route));
+        traffic.route = Some(route.map_err(|error| ScenarioError::whole_of(&error))?);
         let here = std::env::current_dir().unwrap_or_default();
         traffic.sumo = Some(here.join(file));
     }
-    let Some(SumoRoute(route)) = traffic.route.clone() else {
-        if traffic.sumo.is_none() {
-            return unused(scenario);
-        }
-        let message = "the file has not been read, for this scenario is not a file itself";
-        return Err(Problem::new("traffic.sumo", message, "a scenario file").into());
+    let Some(route) = traffic.route.clone() else {
+        unused(scenario)?;
+        return Ok(Vec::new());
     };
-    let is_own = |actor: &Actor| actor.profile == Profile::Sumo;
-    if scenario.storyboard.is_some() || !scenario.actors.iter().all(is_own) {
-        let message = "SUMO has the traffic, and there are other vehicles";
-        return Err(Problem::new("actors", message, "no actors beside it")
-            .against("traffic.sumo")
-            .into());
-    }
-    scenario.actors = (1..=MAX_ACTORS).map(place).collect();
     let signals = signals(&route)?;
-    if !scenario.v2x.signals.is_empty() && scenario.v2x.signals != signals {
-        let message = "the signals are SUMO's lights";
-        return Err(Problem::new("v2x.signals", message, "no signals beside them").into());
-    }
+    alone(scenario, &signals)?;
+    scenario.actors = (1..=MAX_ACTORS).map(place).collect();
     scenario.v2x.signals = signals;
-    let notes = if file.is_some() { route.notes.clone() } else { Vec::new() };
     follow(scenario, &route, |key| document.has(key))?;
     let plan = scenario.road.plan.get_or_insert_default();
+    let (axis, _) = route
+        .axis()
+        .map_err(|error| Problem::new("traffic.sumo", error.to_string(), error.expected()))?;
+    plan.lay(axis);
     if !document.has("road.plan") {
         plan.start = Start::of_pose(&route.start);
         let beside = Lanes::beside(route.beside, width_m(&route));
-        plan.lanes = Lanes { along: route.lines.clone(), ..beside };
+        plan.lanes = Lanes { along: route.lines, ..beside };
     }
-    plan.route = Some(route);
-    Ok(notes)
+    Ok(if file.is_some() { route.notes } else { Vec::new() })
 }
 
 /// Refuses keys that act with SUMO alone.
-fn unused(scenario: &Scenario) -> Result<Vec<String>, Refusal> {
-    if scenario.traffic.ego.is_some() {
-        let message = "traffic.ego has no effect without SUMO";
-        return Err(Problem::new("traffic.ego", message, "traffic.sumo").into());
-    }
-    if let Some(index) = scenario.actors.iter().position(|actor| actor.profile == Profile::Sumo) {
-        let path = format!("actors.{index}.profile");
-        return Err(Problem::new(path, "SUMO does not have the traffic", "traffic.sumo").into());
-    }
-    Ok(Vec::new())
+fn unused(scenario: &Scenario) -> Result<(), Problem> {
+    refuse!(if scenario.traffic.sumo.is_some(), "traffic.sumo":
+        "the file has not been read, for this scenario is not a file itself", "a scenario file");
+    refuse!(if scenario.traffic.ego.is_some(),
+        "traffic.ego": "traffic.ego has no effect without SUMO", "traffic.sumo");
+    refuse!(if let Some(index) = scenario.actors.iter().position(is_place),
+        "actors.{index}.profile": "SUMO does not have the traffic", "traffic.sumo");
+    Ok(())
+}
+
+/// Refuses vehicles and signals beside SUMO's.
+fn alone(scenario: &Scenario, signals: &[Signal]) -> Result<(), Problem> {
+    refuse!(if scenario.storyboard.is_some() || !scenario.actors.iter().all(is_place),
+        "actors": "SUMO has the traffic, and there are other vehicles", "no actors beside it",
+        against "traffic.sumo");
+    refuse!(if !scenario.v2x.signals.is_empty() && scenario.v2x.signals != signals,
+        "v2x.signals": "the signals are SUMO's lights", "no signals beside them");
+    Ok(())
+}
+
+fn is_place(actor: &Actor) -> bool {
+    actor.profile == Profile::Sumo
+}
+
+/// A number of the route, in the range of its quantity.
+fn inside<T: TryFrom<f64, Error = OutOfRange<f64>>>(value: f64) -> Result<T, Problem> {
+    T::try_from(value).map_err(|error| {
+        Problem::new("traffic.sumo", format!("the route: {error}"), "a net of streets")
+    })
 }
 
 /// Gives keys that were not written the values that follow from the route.
@@ -144,16 +131,12 @@ fn follow(
     route: &sumo::Route,
     is_written: impl Fn(&str) -> bool,
 ) -> Result<(), Problem> {
-    let refuse = |error: crate::quantity::OutOfRange<f64>| {
-        Problem::new("traffic.sumo", format!("the route: {error}"), "a net of streets")
-    };
     if !is_written("duration_s") {
         let waits_s = WAIT_S * (route.lights.len() + 1) as f64;
-        let duration_s = libm::ceil(SLOWER * route.free_s() + waits_s);
-        scenario.duration_s = Duration::try_from(duration_s).map_err(refuse)?;
+        scenario.duration_s = inside(libm::ceil(SLOWER * route.free_s() + waits_s))?;
     }
     if !is_written("set_speed_mps") {
-        scenario.set_speed_mps = Speed::try_from(route.fastest_mps()).map_err(refuse)?;
+        scenario.set_speed_mps = inside(route.fastest_mps())?;
     }
     // Turns inside of junctions are narrower than a driver's law on the offset can steer.
     if !is_written("plant.lateral.model") {
@@ -196,9 +179,7 @@ fn signals(route: &sumo::Route) -> Result<Vec<Signal>, Problem> {
     let mut controllers: Vec<&str> = Vec::new();
     let mut signals: Vec<Signal> = Vec::new();
     for light in route.lights.iter().take(MAX_SIGNALS) {
-        let refuse = |what: String| Problem::new("traffic.sumo", what, "a net of streets");
-        let group = i64::try_from(light.link % MAX_LINKS + 1).expect("it is small");
-        let signal_group = SignalGroupId::of(u8::try_from(group).expect("at most 254"));
+        let signal_group = SignalGroupId::of((light.link % MAX_LINKS + 1) as u8);
         let known = controllers.iter().position(|other| *other == light.controller);
         let is_new = |index: &usize| {
             let id = IntersectionId::of(*index as u16 + 1);
@@ -209,8 +190,7 @@ fn signals(route: &sumo::Route) -> Result<Vec<Signal>, Problem> {
             controllers.len() - 1
         });
         signals.push(Signal {
-            stop_line_m: Distance::try_from(light.stop_line_m)
-                .map_err(|e| refuse(e.to_string()))?,
+            stop_line_m: inside(light.stop_line_m)?,
             intersection_id: IntersectionId::of(index as u16 + 1),
             signal_group,
             offset_s: Time::of(0.0),

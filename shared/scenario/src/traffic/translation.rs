@@ -13,15 +13,12 @@ use openscenario::world::{Extent, Way};
 use openscenario::{Choices, Disk, ReadError, Rule, Spot, World, WorldError};
 use road::AxisError;
 
-use serde::Serialize;
-
 use crate::actor::MAX_ACTORS;
-use crate::plan::{Lanes, OpendriveRoad, Start};
+use crate::plan::{Lanes, OpendriveRoad, Plan, Start};
 use crate::quantity::{Distance, LaneId};
 use crate::reading::Foreign;
-use crate::schema::is_default;
 use crate::storyboard::Storyboard;
-use crate::{SCHEMA_VERSION, ScenarioError};
+use crate::{SCHEMA_VERSION, ScenarioError, Table, Value, table};
 
 /// Duration of a run whose storyboard has no end in time, s.
 pub const DEFAULT_DURATION_S: f64 = 300.0;
@@ -62,51 +59,6 @@ pub enum OpenError {
     Scenario(#[from] ScenarioError),
 }
 
-/// The keys of a scenario that its file determines.
-#[derive(Serialize)]
-struct Keys {
-    schema_version: u32,
-    name: String,
-    description: String,
-    duration_s: f64,
-    set_speed_mps: f64,
-    plant: PlantKeys,
-    actors: Vec<ActorKeys>,
-    #[serde(skip_serializing_if = "is_default")]
-    road: RoadKeys,
-}
-
-#[derive(Serialize)]
-struct PlantKeys {
-    initial_speed_mps: f64,
-    length_m: f64,
-}
-
-#[derive(Serialize)]
-struct ActorKeys {
-    name: String,
-    gap_m: f64,
-    initial_speed_mps: f64,
-    length_m: f64,
-    profile: &'static str,
-}
-
-/// The road along the line on which the ego begins: its course, if it has curves, and its heights.
-#[derive(Default, PartialEq, Serialize)]
-struct RoadKeys {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    plan: Option<PlanKeys>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    points: Vec<[f64; 2]>,
-}
-
-#[derive(PartialEq, Serialize)]
-struct PlanKeys {
-    opendrive: OpendriveRoad,
-    start: Start,
-    lanes: Lanes,
-}
-
 /// Reads an OpenSCENARIO file: the keys of the scenario that runs it, and its storyboard.
 pub(crate) fn translated(
     path: &Path,
@@ -134,20 +86,22 @@ pub(crate) fn translated(
         .map_err(|cause| OpenError::Road { place: place_of(spots.starts[script.ego]), cause })?;
     let printable = read.description.chars().filter(|c| !c.is_control());
     let ego_mps = world.motion(script.ego).speed_mps;
-    let keys = Keys {
+    let mut keys = table! {
         schema_version: SCHEMA_VERSION,
         name: word(path.file_stem().and_then(|stem| stem.to_str()), "scenario"),
-        description: printable.take(MAX_LINE).collect(),
+        description: printable.take(MAX_LINE).collect::<String>(),
         duration_s: ends_after(&script).unwrap_or(DEFAULT_DURATION_S),
         set_speed_mps: read.set_speed_mps.unwrap_or(ego_mps),
-        plant: PlantKeys {
+        plant: table! {
             initial_speed_mps: ego_mps,
             length_m: script.entities[script.ego].body.length_m,
         },
         actors: actors_of(&script, &world, way.as_ref()),
-        road,
     };
-    let mut keys = Foreign::new(&file, &keys);
+    if !road.is_empty() {
+        keys.insert("road".to_owned(), Value::Table(road));
+    }
+    let mut keys = Foreign::new(&file, keys);
     if let Some(spot) = spots.stop {
         keys.come_from("duration_s", &place_of(spot), "the `StopTrigger`");
     }
@@ -177,25 +131,33 @@ pub(crate) fn translated(
 }
 
 /// The actors: the entities that the storyboard moves, each with a name of its own.
-fn actors_of(script: &Script, world: &World, way: Option<&Way>) -> Vec<ActorKeys> {
-    let mut actors: Vec<ActorKeys> = Vec::new();
-    for index in scripted(script) {
+fn actors_of(script: &Script, world: &World, way: Option<&Way>) -> Vec<Table> {
+    let mut names: Vec<String> = Vec::new();
+    let actor = |index: usize| {
         let mut name = word(Some(&script.entities[index].name), "actor");
-        if actors.iter().any(|other| other.name == name) {
+        if names.contains(&name) {
             name = format!("{}-{index}", name.chars().take(60).collect::<String>());
         }
+        names.push(name.clone());
         let (gap_m, length_m) = place_of_actor(script, world, index, way);
         let initial_speed_mps = world.motion(index).speed_mps;
-        actors.push(ActorKeys { name, gap_m, initial_speed_mps, length_m, profile: "storyboard" });
-    }
-    actors
+        table! {
+            name: name,
+            gap_m: gap_m,
+            initial_speed_mps: initial_speed_mps,
+            length_m: length_m,
+            profile: "storyboard",
+        }
+    };
+    scripted(script).map(actor).collect()
 }
 
-/// The road along the line on which the ego begins, and the line itself, if it has curves.
-fn road_of(script: &Script, world: &World) -> Result<(RoadKeys, Option<Way>), AxisError> {
+/// The keys of the road along the line on which the ego begins: its course, if it has curves, and its heights. With them
+/// comes the line itself, if it has curves.
+fn road_of(script: &Script, world: &World) -> Result<(Table, Option<Way>), AxisError> {
     let (road, start, extent) = (&script.road, world.motion(script.ego), world.extent(script.ego));
     let is_curved = !road.axis()?.is_straight();
-    let none = || (RoadKeys::default(), None);
+    let none = || (Table::new(), None);
     if !start.present || (!is_curved && road.steepest_slope() == 0.0) {
         return Ok(none());
     }
@@ -207,8 +169,15 @@ fn road_of(script: &Script, world: &World) -> Result<(RoadKeys, Option<Way>), Ax
     let points = road.heights_along(&line)?;
     let lines = road.lane_lines(&line)?;
     let (axis, begin) = line.axis()?;
+    let mut keys = Table::new();
+    if !points.is_empty() {
+        keys.insert(
+            "points".to_owned(),
+            points.into_iter().map(|point| point.to_vec()).collect::<Vec<_>>().into(),
+        );
+    }
     if !is_curved {
-        return Ok((RoadKeys { plan: None, points }, None));
+        return Ok((keys, None));
     }
     let part = road.parts.iter().rev().find(|part| part.from_m <= front_s_m);
     let opendrive = OpendriveRoad {
@@ -222,8 +191,11 @@ fn road_of(script: &Script, world: &World) -> Result<(RoadKeys, Option<Way>), Ax
     let start = Start::of_pose(&begin.placed(&road.start()));
     let lanes = Lanes::beside(road.neighbours(&lane, front_s_m), lane.width_m);
     let lanes = Lanes { along: lines, ..lanes };
-    let plan = Some(PlanKeys { opendrive, start, lanes });
-    Ok((RoadKeys { plan, points }, Some(Way { axis: Arc::new(axis), start: begin })))
+    let mut plan = Plan::default();
+    (plan.opendrive, plan.start, plan.lanes) = (Some(opendrive), start, lanes);
+    let plan = Value::try_from(plan).expect("a plan has a form in TOML");
+    keys.insert("plan".to_owned(), plan);
+    Ok((keys, Some(Way { axis: Arc::new(axis), start: begin })))
 }
 
 /// The first entity whose body lies in the ego's at the start.

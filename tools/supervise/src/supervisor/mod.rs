@@ -53,7 +53,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     check_recorder(&launch.scenario, launch.recording.is_some())?;
     let programs = programs(&launch.programs, &launch.scenario)?;
     let timetable = Timetable::of(&launch.scenario);
-    let standby = launch.scenario.supervision.standby.services();
+    let standby: Vec<Service> = launch.scenario.supervision.standby.iter().copied().collect();
     check_room(shared_memory_bytes(&timetable, &standby))?;
     let root = RunRoot::create()?;
     let janitor = Janitor::spawn(&root)?;

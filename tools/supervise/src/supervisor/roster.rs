@@ -38,7 +38,7 @@ impl<'a> Roster<'a> {
             // The first process leads the services' process group.
             let leader = self.leader();
             let program = launch.programs.get(&service).cloned();
-            let who = (service, policy.standby.contains(service));
+            let who = (service, policy.standby.contains(&service));
             let member = Member::start(who, program, policy, self.root, leader, &self.events)?;
             if leader == 0 {
                 self.janitor.watch(member.group());

@@ -172,7 +172,7 @@ fn program_law(
         directory,
         patience: Duration::from_secs_f64(settings.patience_s),
         silence: Duration::from_secs_f64(settings.silence_s),
-        supervision: reader.scenario().supervision,
+        supervision: reader.scenario().supervision.clone(),
     };
     Ok(Box::new(External::new(plan, bounds, backup(reader)?)))
 }

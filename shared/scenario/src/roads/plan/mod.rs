@@ -29,45 +29,27 @@ use crate::quantity::{RoadLength, Seed};
 use crate::reading::refuse;
 use crate::schema::Schema;
 
-/// The road in the plane. Outside its ends it goes on straight.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, Schema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Plan {
-    /// The pieces in order: `{ line_m }`, `{ arc_m, radius_m, turn }`, `{ spiral_m }`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub pieces: Vec<PlanPiece>,
-    /// A road made by a random generator.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub generated: Option<GeneratedPlan>,
-    /// A lane of an OpenDRIVE file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub opendrive: Option<OpendriveRoad>,
-    /// The ego's route in a net of SUMO: `[traffic]` fills it.
-    #[serde(skip)]
-    pub(crate) route: Option<sumo::Route>,
-    /// Place and heading of the road's beginning in the plane.
-    #[serde(skip_serializing_if = "crate::schema::is_default")]
-    pub start: Start,
-    /// The lanes.
-    pub lanes: Lanes,
-    /// The axis, once it was asked for.
-    #[serde(skip)]
-    axis: OnceLock<road::Axis>,
-}
-
-/// Plans with the same keys are the same road.
-impl PartialEq for Plan {
-    fn eq(&self, other: &Self) -> bool {
-        self.pieces == other.pieces
-            && self.generated == other.generated
-            && self.opendrive == other.opendrive
-            && self.route == other.route
-            && self.start == other.start
-            && self.lanes == other.lanes
-    }
-}
-
 tables! {
+    /// The road in the plane. Outside its ends it goes on straight.
+    pub struct Plan {
+        /// The pieces in order: `{ line_m }`, `{ arc_m, radius_m, turn }`, `{ spiral_m }`.
+        #[sparse]
+        pub pieces: Vec<PlanPiece> = default,
+        /// A road made by a random generator.
+        #[sparse]
+        pub generated: Option<GeneratedPlan>,
+        /// A lane of an OpenDRIVE file.
+        #[sparse]
+        pub opendrive: Option<OpendriveRoad>,
+        /// Place and heading of the road's beginning in the plane.
+        #[sparse]
+        pub start: Start = default,
+        /// The lanes.
+        pub lanes: Lanes = default,
+        #[serde(skip)]
+        axis: Laid = default,
+    }
+
     /// A random road of curves.
     #[derive(Copy)]
     pub struct GeneratedPlan {
@@ -114,6 +96,17 @@ tables! {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(expecting = "two lengths [shortest_m, longest_m]")]
 pub struct SpiralLengths(pub PieceLength, pub PieceLength);
+
+/// The axis of a plan, once it was asked for, or the one of a route in SUMO's net, which `[traffic]` has.
+#[derive(Clone, Debug, Default)]
+struct Laid(OnceLock<road::Axis>);
+
+/// Plans with the same keys are the same road.
+impl PartialEq for Laid {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
 
 impl Lanes {
     /// Offset of the road's left edge from the axis, m, where nothing is said along the road.
@@ -167,7 +160,7 @@ impl Plan {
     /// # Panics
     /// If the plan has not been checked: the scenario refuses a plan without an axis.
     pub fn axis(&self) -> &road::Axis {
-        self.axis.get_or_init(|| self.built().expect("the scenario has been checked"))
+        self.axis.0.get_or_init(|| self.built().expect("the scenario has been checked"))
     }
 
     /// The pieces as the road's geometry takes them. `None` for a lane of a file, which has no pieces of its own.
@@ -181,15 +174,17 @@ impl Plan {
         piece::geometry(&self.pieces)
     }
 
+    /// Gives the plan an axis that does not come from its own keys.
+    pub(crate) fn lay(&mut self, axis: road::Axis) {
+        self.axis = Laid(axis.into());
+    }
+
     pub(crate) fn built(&self) -> Result<road::Axis, Problem> {
+        if let Some(axis) = self.axis.0.get() {
+            return Ok(axis.clone());
+        }
         if let Some(opendrive) = &self.opendrive {
             return opendrive.axis();
-        }
-        if let Some(route) = &self.route {
-            let refuse = |error: road::AxisError| {
-                Problem::new("traffic.sumo", error.to_string(), error.expected())
-            };
-            return route.axis().map(|(axis, _)| axis).map_err(refuse);
         }
         road::Axis::new(&self.geometry()?).map_err(|error| {
             let path = match self.pieces.is_empty() {
