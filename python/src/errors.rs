@@ -23,9 +23,7 @@ pub fn raise(error: &supervise::Error) -> PyErr {
     let words = error.to_string();
     let words = words.strip_prefix("error: ").unwrap_or(&words).to_owned();
     match error {
-        supervise::Error::Scenario(_) | supervise::Error::OpenScenario(_) => {
-            ScenarioError::new_err(words)
-        }
+        supervise::Error::Scenario(_) => ScenarioError::new_err(words),
         _ => RunError::new_err(words),
     }
 }

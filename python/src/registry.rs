@@ -12,7 +12,7 @@ use serde_json::Value;
 /// The built-in scenarios: name and description.
 #[pyfunction]
 pub fn scenarios() -> Vec<(&'static str, &'static str)> {
-    builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary)).collect()
+    builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary())).collect()
 }
 
 /// timegap's own laws: name, description, source, and whether they drive trucks alone.

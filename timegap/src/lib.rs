@@ -66,7 +66,6 @@ fn run_command() -> ExitCode {
         match &error {
             // It has its own heading, with the place.
             Error::Scenario(error) => note(&error.to_string()),
-            Error::OpenScenario(error) => note(&error.to_string()),
             error => note(&format!("error: {error}")),
         }
         if std::env::var_os("TIMEGAP_LOG").is_some() {

@@ -10,6 +10,8 @@
 //! | messages | CDR with `ros2msg`, ROS 1 with `ros1msg`, JSON | protobuf, CDR with IDL, XCDR 2 |
 //! | chunks | LZ4, Zstandard, no compression | |
 //!
+//! A series of positions or speeds becomes a motion: [`speeds`] and the filter [`smoothed`].
+//!
 //! ROS 1 bags and bags of SQLite are recognised and refused with the program that makes an MCAP file of them.
 //!
 //! A file streams from front to back, one chunk in memory. Every length is checked before memory is taken for it.
@@ -27,11 +29,15 @@ mod decode;
 mod definition;
 mod error;
 pub mod mcap;
+mod motion;
 mod series;
+mod smooth;
 
 use decode::Encoding;
 pub use error::{BagError, BagFault};
+pub use motion::{Motion, speeds};
 pub use series::{Row, Series, Topic, is_bag, series, series_from, topics};
+pub use smooth::smoothed;
 
 #[cfg(test)]
 mod tests;

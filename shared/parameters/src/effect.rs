@@ -31,12 +31,8 @@
 //! ```
 
 use std::borrow::Cow;
-use std::process::Command;
 
-use crate::{Row, Table, Varied};
-
-/// Variable of the environment by which a program runs itself with another value: row and value.
-const REPLACED: &str = "PARAMETERS_REPLACED";
+use crate::{Row, Table};
 
 /// A figure by which effects are judged.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,46 +126,6 @@ pub fn effects<T: Table>(
         });
         line(name, figures, base, &tried)
     })
-}
-
-/// Prints the figures and a line for each row of numbers that a process can replace once.
-///
-/// Each value is measured by a process of its own: this program, with the same arguments.
-///
-/// # Panics
-/// If the program cannot run itself.
-pub fn print_by_processes<T: Table>(numbers: &Varied<T>, measure: impl Fn() -> Vec<(Figure, f64)>) {
-    let replaced = std::env::var(REPLACED).ok();
-    if let Some((row, value)) = replaced.as_deref().and_then(|text| text.split_once('=')) {
-        let (row, value) = (row.parse().expect("a row"), value.parse().expect("a number"));
-        assert!(numbers.replace(numbers.with(row, value)).is_ok(), "the first replacement");
-        let values: Vec<String> = measure().iter().map(|(_, value)| value.to_string()).collect();
-        println!("{}", values.join(" "));
-        return;
-    }
-    let (figures, base): (Vec<Figure>, Vec<f64>) = measure().into_iter().unzip();
-    for (figure, value) in figures.iter().zip(&base) {
-        println!("{}", figure.text(*value));
-    }
-    for (row, Row { name, .. }) in T::ROWS.iter().enumerate() {
-        let tried = [0.5, 2.0].map(|factor| {
-            let value = numbers.scaled(row, factor).value(row);
-            (value, measured_elsewhere(row, value))
-        });
-        println!("{}", line(name, &figures, &base, &tried));
-    }
-}
-
-/// The figures with another value in a row, from a process of its own.
-fn measured_elsewhere(row: usize, value: f64) -> Vec<f64> {
-    let program = std::env::current_exe().expect("the kernel knows this program");
-    let answer = Command::new(program)
-        .args(std::env::args_os().skip(1))
-        .env(REPLACED, format!("{row}={value:?}"))
-        .output()
-        .expect("this program starts");
-    let text = String::from_utf8_lossy(&answer.stdout);
-    text.split_whitespace().map(|word| word.parse().expect("a figure")).collect()
 }
 
 #[cfg(test)]

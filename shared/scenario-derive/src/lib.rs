@@ -36,10 +36,10 @@ pub fn derive_schema(input: proc_macro::TokenStream) -> proc_macro::TokenStream 
 /// Declares tables and words of a scenario file: `key: type` must be written, `key: type = default` may be left out.
 ///
 /// A default is a number or a text of the key's type, a variant of it, `default` for the type's own, or an expression.
-/// A key of type `Option` may always be left out. A `#[sparse]` key is not written while it has the type's own default.
+/// `sparse` is the type's own, and not written. A key of type `Option` may always be left out.
 #[proc_macro]
 pub fn tables(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
-    syn::parse_macro_input!(input as tables::Tables).into_tokens().into()
+    syn::parse_macro_input!(input as tables::Tables).0.into()
 }
 
 fn expand(input: &DeriveInput) -> Result<TokenStream, Error> {

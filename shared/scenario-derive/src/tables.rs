@@ -9,7 +9,7 @@ use syn::{Attribute, Error, Expr, Fields, Ident, ItemEnum, Lit, Token, Type, Vis
 use crate::serde::{Serde, is_serde};
 
 /// The declarations of one call.
-pub(crate) struct Tables(Vec<TokenStream>);
+pub(crate) struct Tables(pub TokenStream);
 
 /// A table before its keys are read.
 struct Table {
@@ -30,23 +30,17 @@ struct Key {
 
 impl Parse for Tables {
     fn parse(input: ParseStream<'_>) -> Result<Self, Error> {
-        let mut items = Vec::new();
+        let mut items = TokenStream::new();
         while !input.is_empty() {
             let ahead = input.fork();
             ahead.call(Attribute::parse_outer)?;
             ahead.parse::<Visibility>()?;
-            items.push(match ahead.peek(Token![enum]) {
+            items.extend(match ahead.peek(Token![enum]) {
                 true => words(&input.parse()?)?,
                 false => input.parse::<Table>()?.declared(),
             });
         }
         Ok(Self(items))
-    }
-}
-
-impl Tables {
-    pub(crate) fn into_tokens(self) -> TokenStream {
-        self.0.into_iter().collect()
     }
 }
 
@@ -84,7 +78,7 @@ impl Key {
         Some(match default {
             Expr::Lit(literal) if matches!(literal.lit, Lit::Bool(_)) => quote!(#default),
             Expr::Lit(_) | Expr::Unary(_) => quote!(<#of>::of(#default)),
-            Expr::Path(path) if path.path.is_ident("default") => {
+            Expr::Path(_) if is_word(default, "default") || is_word(default, "sparse") => {
                 quote!(<#of as ::core::default::Default>::default())
             }
             Expr::Path(path) => match path.path.get_ident() {
@@ -106,15 +100,14 @@ impl Table {
         let is_optional = defaults.iter().all(Option::is_some);
         let fields = keys.iter().zip(&defaults).map(|(key, default)| {
             let Key { attributes, visibility, name: field, of, .. } = key;
-            let (sparse, rest): (Vec<_>, Vec<_>) =
-                attributes.iter().partition(|attribute| attribute.path().is_ident("sparse"));
-            let sparse = (!sparse.is_empty())
+            let is_sparse = key.default.as_ref().is_some_and(|own| is_word(own, "sparse"));
+            let sparse = (is_sparse || is_option(of))
                 .then(|| quote!(#[serde(skip_serializing_if = "crate::schema::is_default")]));
             let fallback = (!is_optional && default.is_some()).then(|| {
                 let path = format!("{name}::default_{field}");
                 quote!(#[serde(default = #path)])
             });
-            quote!(#(#rest)* #sparse #fallback #visibility #field: #of)
+            quote!(#(#attributes)* #sparse #fallback #visibility #field: #of)
         });
         let fields: Vec<_> = fields.collect();
         let names: Vec<_> = keys.iter().map(|key| &key.name).collect();
@@ -150,10 +143,8 @@ impl Table {
 fn words(item: &ItemEnum) -> Result<TokenStream, Error> {
     let spelling = (!item.attrs.iter().any(is_serde))
         .then(|| quote!(#[serde(rename_all = "kebab-case", deny_unknown_fields)]));
-    let has_default = item
-        .variants
-        .iter()
-        .any(|variant| variant.attrs.iter().any(|attribute| attribute.path().is_ident("default")));
+    let mut attributes = item.variants.iter().flat_map(|variant| &variant.attrs);
+    let has_default = attributes.any(|attribute| attribute.path().is_ident("default"));
     let default = has_default.then(|| quote!(, ::core::default::Default));
     let is_words = item.variants.iter().all(|variant| matches!(variant.fields, Fields::Unit));
     let copy = is_words.then(|| quote!(, Copy, Eq));
@@ -193,6 +184,10 @@ fn list(item: &ItemEnum) -> Result<TokenStream, Error> {
             }
         }
     })
+}
+
+fn is_word(default: &Expr, word: &str) -> bool {
+    matches!(default, Expr::Path(path) if path.path.is_ident(word))
 }
 
 /// True for `Option<...>`.

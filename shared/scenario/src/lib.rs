@@ -106,22 +106,19 @@ tables! {
         /// The ego vehicle.
         pub plant: Plant = default,
         /// The road's heights and its plan; absent: level and straight.
-        #[sparse]
-        pub road: Road = default,
+        pub road: Road = sparse,
         /// Radar, tracker and target selection.
         pub perception: Perception = default,
         /// The emergency brake.
         pub aebs: Aebs = default,
         /// Measures of the referee.
-        #[sparse]
-        pub referee: Referee = default,
+        pub referee: Referee = sparse,
         /// The roadside unit and its signals.
         pub v2x: V2x = default,
         /// The control law and its loop.
         pub controller: Controller = default,
         /// Laws of the user's own by name: `command`, `directory`, `env`, `arguments`.
-        #[sparse]
-        pub laws: OwnLaws = default,
+        pub laws: OwnLaws = sparse,
         /// Scheduling and placement.
         pub runtime: Runtime = default,
         /// Restarts and standbys of services that die or hang.
@@ -129,13 +126,11 @@ tables! {
         /// Requirements on a completed run.
         pub require: Require = default,
         /// SUMO as the traffic around the ego.
-        #[sparse]
-        pub traffic: Traffic = default,
+        pub traffic: Traffic = sparse,
         /// The other vehicles.
         pub actors: Vec<Actor> = default,
         /// Faults.
-        #[sparse]
-        pub faults: Vec<Fault> = default,
+        pub faults: Vec<Fault> = sparse,
         /// The storyboard that moves the actors with the profile `storyboard`; comes from an OpenSCENARIO file.
         pub storyboard: Option<Storyboard>,
         /// Remarks on keys without effect, for the person who starts a run.
@@ -235,17 +230,15 @@ pub fn keys() -> &'static [Key] {
 /// The dotted path of the only key of a scenario file with this name.
 pub(crate) fn path_of(name: &str) -> Option<String> {
     let mut found = Vec::new();
-    collect_paths(keys(), "", name, &mut found);
-    let path = found.pop()?;
-    found.is_empty().then_some(path)
+    collect_paths(keys(), String::new(), name, &mut found);
+    found.pop().filter(|_| found.is_empty())
 }
 
-fn collect_paths(keys: &[Key], above: &str, name: &str, found: &mut Vec<String>) {
+fn collect_paths(keys: &[Key], above: String, name: &str, found: &mut Vec<String>) {
     for key in keys {
-        let path =
-            if above.is_empty() { key.name.clone() } else { format!("{above}.{}", key.name) };
+        let path = above.clone() + &key.name;
         if let Shape::Table(below) = &key.shape {
-            collect_paths(below, &path, name, found);
+            collect_paths(below, format!("{path}."), name, found);
         }
         if key.name == name {
             found.push(path);

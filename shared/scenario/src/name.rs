@@ -60,6 +60,7 @@ texts! {
         (1..=64).contains(&name.len()) && name.chars().all(good)
     };
     /// A line of prose, without control characters.
+    #[derive(Default)]
     Line: "not a line of text", "at most 500 characters in one line", |line| {
         line.chars().count() <= 500 && !line.chars().any(char::is_control)
     };

@@ -2,6 +2,7 @@
 
 use openscenario::variation::Variation;
 use openscenario::{Disk, ReadError, read};
+use scenario::ScenarioError;
 use std::path::{Path, PathBuf};
 use supervise::{Error, UsageError};
 
@@ -58,7 +59,7 @@ fn normal(path: &Path) -> PathBuf {
 }
 
 fn refuse(error: ReadError) -> Error {
-    Error::OpenScenario(Box::new(error.into()))
+    ScenarioError::whole_of(&error).into()
 }
 
 #[cfg(test)]

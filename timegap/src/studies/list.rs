@@ -98,7 +98,7 @@ pub fn run(arguments: &ListArguments, command: &clap::Command) -> Result<ExitCod
         return Ok(ExitCode::SUCCESS);
     }
     let line = |name: &str, about: &str| (name.to_owned(), about.to_owned());
-    let scenarios = builtin::ALL.iter().map(|builtin| line(builtin.name, builtin.summary));
+    let scenarios = builtin::ALL.iter().map(|builtin| line(builtin.name, builtin.summary()));
     let laws = laws::ALL.iter().map(|law| line(law.name, law.description));
     let campaigns = campaign::summaries().map(|(name, about)| line(name, &about));
     let tests = command.find_subcommand("test").into_iter();

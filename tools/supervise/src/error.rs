@@ -3,7 +3,6 @@
 use messages::UnknownService;
 use recorder::ReadError;
 use runtime::RuntimeError;
-use scenario::translation::OpenError;
 use scenario::{Problem, ScenarioError};
 use std::fmt::Display;
 use std::io::ErrorKind;
@@ -108,9 +107,6 @@ pub enum Error {
     /// The scenario, or an option that changes it, is wrong.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The OpenSCENARIO file is wrong, or not of the subset that is read here.
-    #[error(transparent)]
-    OpenScenario(Box<OpenError>),
     /// A file or directory of the user's cannot be used.
     #[error("cannot {action} {}: {reason}", path.display())]
     Path {
@@ -169,10 +165,7 @@ impl Error {
         ExitCode::from(match self {
             Self::Operation(failure) => failure.status() as u8,
             Self::Path { reason, .. } if is_the_machines(reason) => 3,
-            Self::Scenario(_)
-            | Self::OpenScenario(_)
-            | Self::Path { .. }
-            | Self::NotReady { foreign: true, .. } => 2,
+            Self::Scenario(_) | Self::Path { .. } | Self::NotReady { foreign: true, .. } => 2,
             Self::NotReady { .. } | Self::Runtime(_) => 3,
             Self::Interrupted => 130,
         })

@@ -120,8 +120,7 @@ impl Opening {
         let mut scenario = match file {
             File::Own(source) => source.open(&overrides, &check)?,
             File::OpenScenario(path, choices) => {
-                Scenario::open_openscenario(path, choices, &overrides, &check)
-                    .map_err(|error| Error::OpenScenario(Box::new(error)))?
+                Scenario::open_openscenario(path, choices, &overrides, &check)?
             }
         };
         scenario.require.formulas.extend(options.require.iter().cloned());

@@ -47,9 +47,9 @@ fn profile(actor: &Actor, i: usize) -> Result<(), Problem> {
             increasing(&format!("{key}.speeds"), points, |point: &SpeedPoint| point.0)?;
         }
         Profile::Csv(csv) => {
-            refuse!(if csv.points.is_empty(), "{key}.csv":
-                "the file has not been read, for this scenario is not a file itself",
-                "points, or a scenario file");
+            if csv.points.is_empty() {
+                return Err(Problem::unread(&format!("{key}.csv"), "points, or a scenario file"));
+            }
             increasing(&format!("{key}.csv.points"), &csv.points, |point| point.0)?;
         }
     }

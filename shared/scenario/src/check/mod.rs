@@ -11,7 +11,7 @@ use crate::faults::{Fault, Target};
 use crate::name::Name;
 use crate::perception::MAX_LATENCY_SCANS;
 use crate::plant::Integrator;
-use crate::quantity::Acceleration;
+use crate::quantity::{Acceleration, PeriodMs};
 use crate::reading::refuse;
 use crate::schema::is_default;
 use crate::supervision::Restart;
@@ -36,7 +36,7 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     actors::events(&scenario.actors)
 }
 
-fn multiple(path: &str, value_ms: u32, base: &str, base_ms: u32) -> Result<(), Problem> {
+fn multiple(path: &str, value_ms: u32, (base, base_ms): (&str, u32)) -> Result<(), Problem> {
     refuse!(if !value_ms.is_multiple_of(base_ms),
         "{path}": "{path} = {value_ms} is not a whole multiple of {base} = {base_ms}",
         "{path} to be a multiple of {base}", against "{base}");
@@ -44,21 +44,19 @@ fn multiple(path: &str, value_ms: u32, base: &str, base_ms: u32) -> Result<(), P
 }
 
 fn periods(scenario: &Scenario) -> Result<(), Problem> {
-    let plant = scenario.plant.period_ms.value();
-    let perception = scenario.perception.period_ms.value();
-    let controller = scenario.controller.period_ms.value();
-    multiple("perception.period_ms", perception, "plant.period_ms", plant)?;
-    multiple("v2x.period_ms", scenario.v2x.period_ms.value(), "plant.period_ms", plant)?;
-    if let Some(poll_ms) = scenario.v2x.poll_ms {
-        multiple("v2x.poll_ms", poll_ms.value(), "plant.period_ms", plant)?;
+    let Scenario { plant, perception, v2x, controller, runtime, .. } = scenario;
+    let plant = ("plant.period_ms", plant.period_ms.value());
+    let perception = ("perception.period_ms", perception.period_ms.value());
+    multiple(perception.0, perception.1, plant)?;
+    multiple("v2x.period_ms", v2x.period_ms.value(), plant)?;
+    multiple("v2x.poll_ms", v2x.poll_ms.map_or(0, PeriodMs::value), plant)?;
+    let period_ms = controller.period_ms.value();
+    multiple("controller.period_ms", period_ms, plant)?;
+    if controller.release == Release::Radar {
+        multiple("controller.period_ms", period_ms, perception)?;
     }
-    multiple("controller.period_ms", controller, "plant.period_ms", plant)?;
-    if scenario.controller.release == Release::Radar {
-        multiple("controller.period_ms", controller, "perception.period_ms", perception)?;
-    }
-    let runtime = &scenario.runtime;
-    multiple("runtime.extra_delay_ms", runtime.extra_delay_ms.value(), "plant.period_ms", plant)?;
-    multiple("runtime.extra_jitter_ms", runtime.extra_jitter_ms.value(), "plant.period_ms", plant)
+    multiple("runtime.extra_delay_ms", runtime.extra_delay_ms.value(), plant)?;
+    multiple("runtime.extra_jitter_ms", runtime.extra_jitter_ms.value(), plant)
 }
 
 fn plant(scenario: &Scenario) -> Result<(), Problem> {
@@ -71,7 +69,7 @@ fn plant(scenario: &Scenario) -> Result<(), Problem> {
                 "a divisor of the period", against "plant.period_ms");
         }
         Integrator::PaperEuler => {
-            multiple("plant.integration_step_ms", step, "plant.period_ms", period)?;
+            multiple("plant.integration_step_ms", step, ("plant.period_ms", period))?;
             let lag_ms = 1e3 * plant.actuator_time_constant_s.value();
             refuse!(if f64::from(step) > lag_ms, "plant.integration_step_ms":
                 "a step of {step} ms is longer than the actuator's time constant",
@@ -80,10 +78,9 @@ fn plant(scenario: &Scenario) -> Result<(), Problem> {
         }
     }
     let bounds = (plant.min_acceleration_mps2, plant.max_acceleration_mps2);
-    around_zero("plant.min_acceleration_mps2", "plant.max_acceleration_mps2", bounds)?;
-    let gateway = &plant.gateway;
-    let bounds = (gateway.min_request_mps2, gateway.max_request_mps2);
-    around_zero("plant.gateway.min_request_mps2", "plant.gateway.max_request_mps2", bounds)
+    around_zero("plant.", "acceleration_mps2", bounds)?;
+    let bounds = (plant.gateway.min_request_mps2, plant.gateway.max_request_mps2);
+    around_zero("plant.gateway.", "request_mps2", bounds)
 }
 
 /// The emergency brake needs brakes that deserve the name, and detections to brake for.
@@ -146,22 +143,23 @@ fn vehicle(scenario: &Scenario) -> Result<(), Problem> {
     Ok(())
 }
 
+/// The keys `min_…` and `max_…` of a table leave room on both sides of 0.
 fn around_zero(
-    min_path: &str,
-    max_path: &str,
+    table: &str,
+    key: &str,
     (min, max): (Acceleration, Acceleration),
 ) -> Result<(), Problem> {
     refuse!(if min.value() >= 0.0,
-        "{min_path}": "this bound leaves no way to brake", "a negative number");
+        "{table}min_{key}": "this bound leaves no way to brake", "a negative number");
     refuse!(if max.value() <= 0.0,
-        "{max_path}": "this bound leaves no way to drive", "a positive number");
+        "{table}max_{key}": "this bound leaves no way to drive", "a positive number");
     Ok(())
 }
 
 fn perception(scenario: &Scenario) -> Result<(), Problem> {
     let perception = &scenario.perception;
     let (latency, period) = (perception.radar.latency_ms.value(), perception.period_ms.value());
-    multiple("perception.radar.latency_ms", latency, "perception.period_ms", period)?;
+    multiple("perception.radar.latency_ms", latency, ("perception.period_ms", period))?;
     let most = MAX_LATENCY_SCANS * period;
     refuse!(if latency > most, "perception.radar.latency_ms":
         "{latency} ms are more than {MAX_LATENCY_SCANS} scans", "at most {most} ms");
@@ -182,7 +180,7 @@ fn perception(scenario: &Scenario) -> Result<(), Problem> {
 fn controller(scenario: &Scenario) -> Result<(), Problem> {
     let controller = &scenario.controller;
     let bounds = (controller.min_request_mps2, controller.max_request_mps2);
-    around_zero("controller.min_request_mps2", "controller.max_request_mps2", bounds)?;
+    around_zero("controller.", "request_mps2", bounds)?;
     let period_ms = controller.period_ms.value();
     refuse!(if controller.deadline().value() > period_ms, "controller.deadline_ms":
         "the deadline is longer than the period", "at most {period_ms} ms",
@@ -223,18 +221,34 @@ fn radio(scenario: &Scenario) -> Result<(), Problem> {
     if scenario.has_obu() {
         return Ok(());
     }
-    let (air, unit, obu) = (is_default(&v2x.air), is_default(&v2x.unit), is_default(&v2x.obu));
-    let origin = is_default(&v2x.origin);
-    for (table, is_usual) in
-        [("v2x.origin", origin), ("v2x.air", air), ("v2x.unit", unit), ("v2x.obu", obu)]
-    {
-        refuse!(if !is_usual,
-            "{table}": "{table} has no effect without frames", "v2x.radio = \"frames\"");
-    }
-    let aimed = |fault: &Fault| fault.effect.target() == Target::Topic(Topic::RadioFrames);
-    refuse!(if let Some(index) = scenario.faults.iter().position(aimed), "faults.{index}.topic":
+    let tables = [
+        ("v2x.origin", is_default(&v2x.origin)),
+        ("v2x.air", is_default(&v2x.air)),
+        ("v2x.unit", is_default(&v2x.unit)),
+        ("v2x.obu", is_default(&v2x.obu)),
+    ];
+    unused(tables, "frames", "v2x.radio = \"frames\"")?;
+    refuse!(if let Some(index) = aimed_at(scenario, Topic::RadioFrames), "faults.{index}.topic":
         "there are no frames on `radio/frames`", "v2x.radio = \"frames\"");
     Ok(())
+}
+
+/// Refuses tables that act with a thing alone, which the scenario lacks. Unset ones are usual.
+fn unused<const N: usize>(
+    tables: [(&str, bool); N],
+    thing: &str,
+    expected: &str,
+) -> Result<(), Problem> {
+    let set = tables.into_iter().find(|(_, is_usual)| !is_usual);
+    refuse!(if let Some((table, _)) = set,
+        "{table}": "{table} has no effect without {thing}", "{expected}");
+    Ok(())
+}
+
+/// The first fault that acts on a topic.
+fn aimed_at(scenario: &Scenario, topic: Topic) -> Option<usize> {
+    let aimed = |fault: &Fault| fault.effect.target() == Target::Topic(topic);
+    scenario.faults.iter().position(aimed)
 }
 
 /// Frames of other hosts come through the air that there is, into one process.

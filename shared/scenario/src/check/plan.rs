@@ -3,7 +3,6 @@
 use messages::{TOPICS, Topic};
 
 use crate::actor::Profile;
-use crate::faults::{Fault, Target};
 use crate::plan::{GeneratedPlan, Plan};
 use crate::reading::refuse;
 use crate::road::one_of;
@@ -48,15 +47,11 @@ fn unused(scenario: &Scenario) -> Result<(), Problem> {
         ("perception.course", is_default(&scenario.perception.course)),
         ("controller.curve_speed", is_default(&scenario.controller.curve_speed)),
     ];
-    for (table, is_usual) in tables {
-        refuse!(if !is_usual,
-            "{table}": "{table} has no effect without a plan of the road", "[road.plan]");
-    }
+    super::unused(tables, "a plan of the road", "[road.plan]")?;
     let of_plan = Topic::LateralMotion as u32..=Topic::Curves as u32;
     for topic in TOPICS.into_iter().filter(|topic| of_plan.contains(&(*topic as u32))) {
-        let aimed = |fault: &Fault| fault.effect.target() == Target::Topic(topic);
         let name = topic.name();
-        refuse!(if let Some(index) = scenario.faults.iter().position(aimed),
+        refuse!(if let Some(index) = super::aimed_at(scenario, topic),
             "faults.{index}.topic": "nothing is sent on `{name}` without a plan of the road",
             "[road.plan]");
     }

@@ -18,8 +18,7 @@ tables! {
         /// Period of the control loop, ms.
         pub period_ms: PeriodMs = 100,
         /// The program that the law `external` hosts: its name on the PATH or its path, then its arguments.
-        #[sparse]
-        pub command: Vec<String> = default,
+        pub command: Vec<String> = sparse,
         /// Directory in which that program runs. If absent, it is the scenario file's if a file of the command is
         /// there, else the current one.
         pub directory: Option<PathBuf>,
@@ -49,8 +48,7 @@ tables! {
         /// Weights of the paper's problem.
         pub weights: Weights = default,
         /// Slower driving in curves, on a road with a plan.
-        #[sparse]
-        pub curve_speed: CurveSpeed = default,
+        pub curve_speed: CurveSpeed = sparse,
         /// The laws' own tables; the registry of the laws checks them.
         #[serde(flatten, skip_deserializing)]
         pub tables: LawTables = default,
@@ -101,8 +99,7 @@ tables! {
         /// Distance d_th at which the light penalty begins, m.
         pub light_threshold_m: Length = 108.5,
         /// Stages of the prediction at which the light penalty counts.
-        #[sparse]
-        pub light_stages: LightStages = default,
+        pub light_stages: LightStages = sparse,
     }
 
     /// Stages at which the paper's light penalty counts: its equations 15 and 23 differ.

@@ -15,22 +15,17 @@ tables! {
     /// A law of the user's own: a program, or a function of the program that starts the run.
     pub struct OwnLaw {
         /// The program: its name on the PATH or its path, then its arguments.
-        #[sparse]
-        pub command: Vec<String> = default,
+        pub command: Vec<String> = sparse,
         /// Directory in which the program runs. If absent, as for `controller.directory`.
         pub directory: Option<PathBuf>,
         /// The program that starts the run computes the law, such as a program in Python.
-        #[sparse]
-        pub caller: bool = false,
+        pub caller: bool = sparse,
         /// Variables of the program's environment.
-        #[sparse]
-        pub env: BTreeMap<String, Word> = default,
+        pub env: BTreeMap<String, Word> = sparse,
         /// Arguments behind the command: `gain = 0.4` is `--gain=0.4`.
-        #[sparse]
-        pub arguments: BTreeMap<String, Word> = default,
+        pub arguments: BTreeMap<String, Word> = sparse,
         /// Variables of a unit (.fmu) by the quantities that they have: `speed_mps = "v_ego"`.
-        #[sparse]
-        pub map: BTreeMap<String, Word> = default,
+        pub map: BTreeMap<String, Word> = sparse,
     }
 }
 

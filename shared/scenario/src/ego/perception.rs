@@ -20,8 +20,7 @@ tables! {
         /// Period of the radar and of `radar/tracks`, ms.
         pub period_ms: PeriodMs = 50,
         /// The same as `radar.model = "ideal"`.
-        #[sparse]
-        pub ideal: bool = false,
+        pub ideal: bool = sparse,
         /// The radar: its range, field of view and errors.
         pub radar: Radar = default,
         /// The tracker behind the radar.
@@ -29,8 +28,7 @@ tables! {
         /// Choice of the target track.
         pub target_selection: TargetSelection = default,
         /// The path ahead, on a road with a plan.
-        #[sparse]
-        pub course: Course = default,
+        pub course: Course = sparse,
     }
 
     /// Depth of the simulation of the radar.
@@ -171,8 +169,7 @@ tables! {
         pub sources: Vec<CourseSource> = vec![CourseSource::YawRate, CourseSource::Standing, CourseSource::Trails],
         /// Their estimate: one course by a filter, or a belief in many hypotheses. The yaw rate alone makes a circle by
         /// both.
-        #[sparse]
-        pub road: RoadEstimate = default,
+        pub road: RoadEstimate = sparse,
     }
 
     /// An estimate of the road ahead.

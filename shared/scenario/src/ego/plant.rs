@@ -21,11 +21,9 @@ tables! {
         /// throttle and brake, in; speed, position and acceleration out. A relative path is the scenario file's.
         pub fmu: Option<PathBuf>,
         /// Variables of the unit by the quantities that they have: `speed_mps = "v"`.
-        #[sparse]
-        pub fmu_map: BTreeMap<String, Word> = default,
+        pub fmu_map: BTreeMap<String, Word> = sparse,
         /// Values of the unit's parameters and inputs at its start: `mass = 1500`.
-        #[sparse]
-        pub fmu_start: BTreeMap<String, Word> = default,
+        pub fmu_start: BTreeMap<String, Word> = sparse,
         /// True mass over the one that vehicle and law assume; trucks only.
         pub mass_factor: MassFactor = 1.0,
         /// Period of the plant's loop and of `vehicle/odometry`, ms. Every other period is a multiple.
@@ -55,8 +53,7 @@ tables! {
         /// Reaction of the gateway when no newer valid command arrives.
         pub fallback: Fallback = default,
         /// Motion across the road, on a road with a plan.
-        #[sparse]
-        pub lateral: Lateral = default,
+        pub lateral: Lateral = sparse,
     }
 
     /// Kind of the ego vehicle.

@@ -11,10 +11,10 @@ use crate::schema::Schema;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Begin {
     /// Time of its start, s of run time. Absent: at the start, or by `when`.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_s: Option<Time>,
     /// Start by the ego's motion and surroundings. All given conditions must hold at once.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub when: Option<Condition>,
 }
 

@@ -33,6 +33,7 @@ kinds! {
             /// The service that it acts on.
             service: Service,
             /// Duration, s; absent: to the end of the run.
+            #[serde(skip_serializing_if = "Option::is_none")]
             for_s: Option<Duration>,
         }
         /// The service's process is killed again and again, as soon as it is back.
@@ -44,6 +45,7 @@ kinds! {
             times: Count,
             /// Time from the start of each next process to its kill, ms. If absent, it is killed as soon as it takes
             /// part.
+            #[serde(skip_serializing_if = "Option::is_none")]
             after_start_ms: Option<DelayMs>,
         }
         /// A process of the run that is not a service is killed (SIGKILL).
@@ -54,8 +56,10 @@ kinds! {
         /// Processes of no service keep the processor busy.
         Hog = "hog", on Target::Machine, lasting *for_s => {
             /// The core that is kept busy; absent: all.
+            #[serde(skip_serializing_if = "Option::is_none")]
             core: Option<Core>,
             /// Duration, s; absent: to the end of the run.
+            #[serde(skip_serializing_if = "Option::is_none")]
             for_s: Option<Duration>,
         }
         /// A process of no service takes memory.
@@ -63,6 +67,7 @@ kinds! {
             /// Memory that is taken and touched, MiB.
             megabytes: Megabytes,
             /// Duration, s; absent: to the end of the run.
+            #[serde(skip_serializing_if = "Option::is_none")]
             for_s: Option<Duration>,
         }
     }
@@ -150,6 +155,7 @@ pub struct Extent {
     #[serde(default = "always")]
     pub probability: Probability,
     /// Duration, s; absent: to the end of the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub for_s: Option<Duration>,
 }
 
@@ -187,9 +193,7 @@ impl Effect {
     pub fn target(&self) -> Target {
         let own = match self {
             Self::Process(fault) => fault.target(),
-            Self::Channel(fault) => {
-                fault.disturbance.target().or(Some(Target::Topic(fault.topic.0)))
-            }
+            Self::Channel(fault) => Some(Target::Topic(fault.topic.0)),
             Self::Sender(fault) => fault.falsification.target(),
         };
         own.unwrap_or(Target::Machine)
@@ -208,8 +212,7 @@ impl Effect {
     pub fn length(&self) -> Option<Duration> {
         match self {
             Self::Process(fault) => fault.length(),
-            Self::Channel(fault) => fault.disturbance.length().or(fault.extent.for_s),
-            Self::Sender(fault) => fault.falsification.length().or(fault.extent.for_s),
+            Self::Channel(_) | Self::Sender(_) => self.extent()?.for_s,
         }
     }
 

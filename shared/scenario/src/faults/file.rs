@@ -1,8 +1,5 @@
 //! A fault as it stands in a file: one table, whose keys depend on its `kind`.
 
-use serde::de::Error as _;
-use serde::ser::{Error as _, SerializeMap};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::Value;
 
 use super::{
@@ -12,14 +9,6 @@ use super::{
 use crate::quantity::Time;
 use crate::reading::{self, Problem, refuse};
 use crate::schema::{self, Key, Schema, Shape};
-
-#[derive(Serialize, Deserialize)]
-struct FaultKeys {
-    #[serde(flatten)]
-    effect: Effect,
-    #[serde(flatten)]
-    begin: Begin,
-}
 
 /// Takes the list of faults out of the keys of a scenario, whose form was checked.
 pub(crate) fn take_from(keys: &mut Value) -> Result<Vec<Fault>, Problem> {
@@ -43,7 +32,8 @@ pub fn read(keys: toml::Table) -> Result<Fault, Problem> {
 
 /// The fault of a table that has the form of one.
 fn of_keys(keys: Value, path: &str) -> Result<Fault, Problem> {
-    let FaultKeys { effect, mut begin } = reading::plain(keys, path)?;
+    let mut fault: Fault = reading::plain(keys, path)?;
+    let begin = &mut fault.begin;
     refuse!(if begin.at_s.is_some() && begin.when.is_some(),
         "{path}.when": "the fault has a time and a condition", "one of `at_s` and `when`");
     if begin.when.is_none() {
@@ -52,13 +42,13 @@ fn of_keys(keys: Value, path: &str) -> Result<Fault, Problem> {
     if let Effect::Sender(SenderFault {
         falsification: Falsification::Bias { topic, field, .. },
         ..
-    }) = &effect
+    }) = &fault.effect
     {
         let (own, other) = (topic.0.name(), field.topic().name());
         refuse!(if own != other, "{path}.field": "{own} has no such figure",
             "a figure of that topic, or topic = \"{other}\"");
     }
-    Ok(Fault { begin, effect })
+    Ok(fault)
 }
 
 /// The keys of a fault of that kind beside `kind`, with their ranges. They serve a reference, or a search over faults.
@@ -93,30 +83,6 @@ pub fn keys_of(kind: Kind) -> Vec<Key> {
 impl Schema for Fault {
     fn shape() -> Shape {
         Shape::Kinds(Kind::ALL.map(|kind| (kind.name().to_owned(), keys_of(kind))).into())
-    }
-}
-
-impl Serialize for Fault {
-    /// By way of TOML, which leaves absent keys out.
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let keys = FaultKeys { effect: self.effect.clone(), begin: self.begin };
-        let keys = toml::Table::try_from(keys).map_err(S::Error::custom)?;
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("kind", &self.effect.kind())?;
-        for (key, value) in keys.iter().filter(|(key, _)| key.as_str() != "kind") {
-            map.serialize_entry(key, value)?;
-        }
-        map.end()
-    }
-}
-
-impl<'de> Deserialize<'de> for Fault {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        read(toml::Table::deserialize(deserializer)?).map_err(
-            |Problem { message, expected, .. }| {
-                D::Error::custom(format!("{message}, expected {expected}"))
-            },
-        )
     }
 }
 

@@ -29,13 +29,15 @@ pub(super) use file::take_from;
 pub use file::{keys_of, read};
 pub use topic::{BiasedField, TopicName};
 
+use serde::{Deserialize, Serialize};
+
 /// Most faults in one scenario.
 pub const MAX_FAULTS: usize = 64;
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fault {
-    /// Start of the fault.
-    pub begin: Begin,
-    /// Act of the fault.
+    #[serde(flatten)]
     pub effect: Effect,
+    #[serde(flatten)]
+    pub begin: Begin,
 }

@@ -38,7 +38,7 @@ macro_rules! kinds {
                 }
 
                 /// Its target, if its own keys name one.
-                #[allow(unused_variables, reason = "a row names the keys that it needs")]
+                #[allow(unused_variables, dead_code, reason = "a row names the keys that it needs")]
                 fn target(&self) -> Option<Target> {
                     match self {
                         $(Self::$kind { $($key),* } => {
@@ -49,7 +49,7 @@ macro_rules! kinds {
                     }
                 }
 
-                #[allow(unused_variables, reason = "a row names the keys that it needs")]
+                #[allow(unused_variables, dead_code, reason = "a row names the keys that it needs")]
                 fn length(&self) -> Option<Duration> {
                     match self {
                         $(Self::$kind { $($key),* } => {

@@ -30,18 +30,14 @@ quantities! {
     Reach: f64, "a range", 1.0, 1e5, "m";
     /// A lateral position, m, left positive.
     Lateral: f64, "a lateral position", -50.0, 50.0, "m";
-    /// A point in time or a waiting time, s.
     Time: f64, "a time", 0.0, 86_400.0, "s";
     TimeShift: f64, "a time", -86_400.0, 86_400.0, "s";
     Duration: f64, "a duration", 1e-3, 86_400.0, "s";
-    /// A time constant or a time headway, s.
     TimeConstant: f64, "a time constant", 1e-3, 100.0, "s";
-    /// A standard deviation, in the unit of the key.
     Sigma: f64, "a standard deviation", 0.0, 100.0, "";
     SigmaMultiple: f64, "a multiple of sigma", 1.0, 100.0, "";
     Probability: f64, "a probability", 0.0, 1.0, "";
     Share: f64, "a share", 0.0, 1.0, "";
-    /// An opening angle, degrees.
     Angle: f64, "an angle", 0.1, 360.0, "degrees";
     Height: f64, "a height", -500.0, 9000.0, "m";
     /// A grade, percent, positive uphill.
@@ -50,7 +46,6 @@ quantities! {
     RoadLength: f64, "a length", 1.0, 500.0, "km";
     PieceLength: f64, "a length", 0.1, 1e6, "m";
     CurveRadius: f64, "a radius", 20.0, 1e10, "m";
-    /// A coordinate in the plane, m.
     Coordinate: f64, "a coordinate", -1e6, 1e6, "m";
     /// A heading in the plane, degrees counter-clockwise from x.
     HeadingDeg: f64, "a heading", -360.0, 360.0, "degrees";
@@ -61,7 +56,6 @@ quantities! {
     Understeer: f64, "a gradient", -0.002, 0.05, "rad per m/s²";
     AngularFrequency: f64, "a frequency", 0.01, 20.0, "rad/s";
     Damping: f64, "a damping", 0.1, 5.0, "";
-    /// A share of a length, away from its ends.
     InnerShare: f64, "a share", 0.1, 0.9, "";
     /// An error in the position of a map, m, positive when the map is too far ahead.
     MapShift: f64, "a shift", -1000.0, 1000.0, "m";
@@ -72,7 +66,6 @@ quantities! {
     /// A torque at the crankshaft, N m.
     Torque: f64, "a torque", -5000.0, 5000.0, "N m";
     TorqueRate: f64, "a rate", 10.0, 1e6, "N m/s";
-    /// A noise, percent.
     Percent: f64, "a number", 0.0, 100.0, "%";
     MassFactor: f64, "a factor", 0.5, 2.0, "";
     Mass: f64, "a mass", 100.0, 100_000.0, "kg";
@@ -92,7 +85,6 @@ quantities! {
     i64, "i64", true, (Eq, Ord):
     PeriodMs: u32, "a period", 1, 10_000, "ms", ", a whole number";
     DelayMs: u32, "a delay", 0, 10_000, "ms", ", a whole number";
-    /// A difference of two clocks, ms.
     OffsetMs: i32, "an offset", -60_000, 60_000, "ms", ", a whole number";
     /// The rate by which a clock is too fast, millionths.
     DriftPpm: i32, "a drift", -1000, 1000, "millionths", ", a whole number";

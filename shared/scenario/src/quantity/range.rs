@@ -6,9 +6,7 @@ use std::fmt;
 pub struct Range<T> {
     /// The quantity's noun, with its article.
     pub what: &'static str,
-    /// Smallest value.
     pub least: T,
-    /// Largest value.
     pub most: T,
     /// Unit; empty for a number without one, and for one whose key alone names it.
     pub unit: &'static str,

@@ -48,7 +48,6 @@ impl<'a> Table<'a> {
         table
     }
 
-    /// Number of lines of numbers.
     pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }
@@ -58,7 +57,6 @@ impl<'a> Table<'a> {
         self.names.iter().position(|(_, field)| *field == name)
     }
 
-    /// The names of the columns.
     pub(crate) fn names(&self) -> impl Iterator<Item = &'a str> + '_ {
         self.names.iter().map(|(_, name)| *name)
     }
@@ -106,7 +104,6 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// An error at a field.
     pub(crate) fn fault(&self, row: usize, column: usize, message: &str) -> ScenarioError {
         let span = self.rows[row].get(column).map_or(0..0, |(span, _)| span.clone());
         self.refusal(span, message)

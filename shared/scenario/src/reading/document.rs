@@ -71,7 +71,6 @@ impl<'a> Document<'a> {
         Self::new(Origin::Text { source, text }, Self::root_of(source, text)?, overrides)
     }
 
-    /// The keys of a text.
     pub(crate) fn root_of(source: &str, text: &str) -> Result<Table, ScenarioError> {
         if text.len() > MAX_TEXT_BYTES {
             let message = format!("the text has {} bytes", text.len());
@@ -105,7 +104,7 @@ impl<'a> Document<'a> {
     /// True if the key was set on the command line.
     pub(crate) fn is_set(&self, path: &str) -> bool {
         let steps: Vec<&str> = path.split('.').collect();
-        self.has(path) && self.overrides.iter().any(|one| one.sets(&steps))
+        self.has(path) && self.overrides.list.iter().any(|one| one.sets(&steps))
     }
 
     /// True if a run has kept the text.
@@ -121,7 +120,7 @@ impl<'a> Document<'a> {
             matches!(self.origin, Origin::Text { source, .. } if source.starts_with("built-in "));
         let serves_many = is_builtin || self.is_kept();
         let is_chosen_anew = serves_many || choosing.iter().any(|choosing| self.is_set(choosing));
-        self.overrides.are_shared() || (is_chosen_anew && !self.is_set(path))
+        self.overrides.are_shared || (is_chosen_anew && !self.is_set(path))
     }
 
     /// Dotted paths of the values that were written below `table`, relative to it; a list is one value.
@@ -168,7 +167,7 @@ impl<'a> Document<'a> {
             Origin::Values => (0, None, 0..0),
         };
         let mut found = Place { option: None, steps, key, value };
-        for option in self.overrides.iter() {
+        for option in &self.overrides.list {
             let names = option.path().iter().zip(&path);
             let common = names.take_while(|(name, step)| name == *step).count();
             let below = option.below(&path);

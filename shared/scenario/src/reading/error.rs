@@ -42,7 +42,7 @@ impl ScenarioError {
     }
 
     /// An error of another format's reader, which names the place itself.
-    pub(crate) fn whole_of(error: &impl fmt::Display) -> Self {
+    pub fn whole_of(error: &impl fmt::Display) -> Self {
         let text = error.to_string();
         let (source, message) = text.split_once(": ").unwrap_or(("", &text));
         Self::whole(source, message)
@@ -89,7 +89,6 @@ impl ScenarioError {
         &self.message
     }
 
-    /// The expected value, if known.
     pub fn expected(&self) -> Option<&str> {
         self.expected.as_deref()
     }

@@ -64,7 +64,6 @@ fn in_words(path: String, said: &str) -> Problem {
     }
 }
 
-/// Compares a value with its declared form.
 fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Problem> {
     let wrong = |expected: &str| {
         Err(Problem::new(path, format!("invalid type: {}", found(value)), expected))
@@ -90,7 +89,7 @@ fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Problem> {
         (Shape::Tuple(_, words), Value::Array(list)) => {
             Err(Problem::new(path, format!("invalid length {}", list.len()), *words))
         }
-        (Shape::Table(keys), Value::Table(table)) => self::table(keys, table, path),
+        (Shape::Table(keys), Value::Table(table)) => self::table(keys, table, path, None),
         (Shape::Choice(variants), _) => choice(variants, value, path),
         (Shape::Kinds(kinds), Value::Table(table)) => kind(kinds, table, path),
         (Shape::Text { words }, Value::String(word)) => {
@@ -110,24 +109,34 @@ fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Problem> {
     }
 }
 
-/// A table with these keys and no others.
-fn table(keys: &[Key], table: &Table, path: &str) -> Result<(), Problem> {
-    for (name, value) in table {
+/// A table with these keys and no others. A fault's `kind` says which keys it has.
+fn table(keys: &[Key], table: &Table, path: &str, kind: Option<&str>) -> Result<(), Problem> {
+    let known = || {
+        let names = keys.iter().map(|key| key.name.as_str());
+        kind.map(|_| "kind").into_iter().chain(names)
+    };
+    for (name, value) in table.iter().filter(|(name, _)| kind.is_none() || *name != "kind") {
         let path = below(path, name);
         let Some(key) = keys.iter().find(|key| key.name == *name) else {
-            let known = keys.iter().map(|key| key.name.as_str());
-            let message = format!("unknown key `{name}`");
-            return Err(Problem::new(path, message, accepted(name, known)).of_key());
+            let message = match kind {
+                None => format!("unknown key `{name}`"),
+                Some(kind) => format!("`{name}` means nothing for a fault of kind `{kind}`"),
+            };
+            return Err(Problem::new(path, message, accepted(name, known())).of_key());
         };
         of_key(key, value, &path)?;
     }
     let missing = keys.iter().find(|key| key.is_required && !table.contains_key(&key.name));
-    missing.map_or(Ok(()), |key| {
-        Err(Problem::new(path, format!("missing key `{}`", key.name), String::new()))
+    let Some(Key { name, .. }) = missing else { return Ok(()) };
+    Err(match kind {
+        None => Problem::new(path, format!("missing key `{name}`"), ""),
+        Some(kind) => {
+            let message = format!("a fault of kind `{kind}` needs `{name}`");
+            Problem::new(path, message, format!("`{name}`"))
+        }
     })
 }
 
-/// The value of a key, in its range.
 fn of_key(key: &Key, value: &Value, path: &str) -> Result<(), Problem> {
     check(&key.shape, value, path).map_err(|problem| match &key.expected {
         Some(expected) if problem.path == path && !problem.is_of_key => {
@@ -179,37 +188,19 @@ fn choice(variants: &[Variant], value: &Value, path: &str) -> Result<(), Problem
 
 /// A table whose key `kind` determines its other keys.
 fn kind(kinds: &[(String, Vec<Key>)], table: &Table, path: &str) -> Result<(), Problem> {
-    let names = kinds.iter().map(|(name, _)| name.as_str());
-    let refuse = |path: String, message: String, expected: String| {
-        Err(Problem::new(path, message, expected))
-    };
     let Some(kind) = table.get("kind") else {
-        return refuse(path.to_owned(), "a fault needs `kind`".to_owned(), "`kind`".to_owned());
+        return Err(Problem::new(path, "a fault needs `kind`", "`kind`"));
     };
-    let Some(kind) = kind.as_str() else {
-        let message = format!("invalid type: {}", found(kind));
-        return refuse(below(path, "kind"), message, accepted("", names));
-    };
-    let Some((_, keys)) = kinds.iter().find(|(name, _)| name == kind) else {
-        return refuse(
-            below(path, "kind"),
-            format!("unknown value `{kind}`"),
-            accepted(kind, names),
-        );
-    };
-    let known = || std::iter::once("kind").chain(keys.iter().map(|key| key.name.as_str()));
-    if let Some(key) = table.keys().find(|&key| known().all(|known| known != key)) {
-        let message = format!("`{key}` means nothing for a fault of kind `{kind}`");
-        return refuse(below(path, key), message, accepted(key, known())).map_err(Problem::of_key);
+    let word = kind.as_str().unwrap_or_default();
+    if let Some((name, keys)) = kinds.iter().find(|(name, _)| name == word) {
+        return self::table(keys, table, path, Some(name));
     }
-    if let Some(Key { name, .. }) =
-        keys.iter().find(|key| key.is_required && !table.contains_key(&key.name))
-    {
-        let message = format!("a fault of kind `{kind}` needs `{name}`");
-        return refuse(path.to_owned(), message, format!("`{name}`"));
-    }
-    let mut written = keys.iter().filter_map(|key| Some((key, table.get(&key.name)?)));
-    written.try_for_each(|(key, value)| of_key(key, value, &below(path, &key.name)))
+    let message = match kind {
+        Value::String(word) => format!("unknown value `{word}`"),
+        other => format!("invalid type: {}", found(other)),
+    };
+    let names = kinds.iter().map(|(name, _)| name.as_str());
+    Err(Problem::new(below(path, "kind"), message, accepted(word, names)))
 }
 
 /// The path of a key or an index of the value at `path`.

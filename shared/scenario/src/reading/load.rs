@@ -1,6 +1,5 @@
 //! The files that a scenario names: recorded motions, roads in CSV and OpenDRIVE.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use openscenario::xml::MAX_FILE_BYTES;
@@ -8,7 +7,7 @@ use openscenario::xml::MAX_FILE_BYTES;
 use super::document::{Document, MAX_TEXT_BYTES};
 use super::error::Refusal;
 use super::problem::Problem;
-use super::text_file::{TextFileError, read};
+use super::text_file::{self, read};
 use crate::Scenario;
 use crate::actor::{Actor, Profile};
 use crate::plan::{Lanes, Start};
@@ -36,7 +35,8 @@ pub(super) fn load(
             Problem::new("road.csv", message, expected)
         })?;
         let profile = road::parse_csv(&path.display().to_string(), &text)?;
-        road.points = road::points_of(&profile);
+        let heights = profile.points().iter().map(|point| [point.distance_m, point.height_m]);
+        road.points = road::points(heights)?;
     }
     notes.extend(load_plan(scenario, document, own)?);
     let file = scenario.traffic.sumo.as_ref().and_then(|file| {
@@ -69,7 +69,7 @@ fn load_record(
             .into()),
         };
     };
-    if let Err(reason) = File::open(&path).map_err(TextFileError::NotOpened) {
+    if let Err(reason) = text_file::open(&path) {
         let message = format!("{} {reason}", path.display());
         let expected = "a CSV file, an MCAP file or a ROS bag";
         return Err(Problem::new(key("file"), message, expected).into());
@@ -106,10 +106,9 @@ fn load_plan(
         Problem::new(FILE, format!("{} {reason}", path.display()), "an OpenDRIVE file")
     })?;
     let lane = opendrive.read(&path, &text)?;
-    let refuse =
-        |error: &::road::AxisError| Problem::new(FILE, error.to_string(), error.expected());
-    let heights = lane.road.heights_along(&lane.line).map_err(|error| refuse(&error))?;
-    let lines = lane.road.lane_lines(&lane.line).map_err(|error| refuse(&error))?;
+    let refuse = |error| Problem::of_axis(FILE, &error);
+    let heights = lane.road.heights_along(&lane.line).map_err(refuse)?;
+    let lines = lane.road.lane_lines(&lane.line).map_err(refuse)?;
     opendrive.line = Some(lane.line);
     if !document.has("road.plan.start") {
         plan.start = Start::of_pose(&lane.start);
@@ -119,7 +118,7 @@ fn load_plan(
         plan.lanes = Lanes { along: lines, ..lanes };
     }
     if scenario.road.is_level() && !heights.is_empty() {
-        scenario.road.points = road::points(&heights)?;
+        scenario.road.points = road::points(heights)?;
     }
     Ok(lane.notices)
 }

@@ -84,13 +84,12 @@ impl Scenario {
         choices: &openscenario::Choices,
         overrides: &Overrides,
         check: Check<'_>,
-    ) -> Result<Self, translation::OpenError> {
+    ) -> Result<Self, ScenarioError> {
         let (keys, storyboard) = translation::translated(path, choices)?;
         let document = Document::new(Origin::Foreign(&keys), keys.table.clone(), overrides)?;
-        Ok(Self::of_document(&document, Place::BuiltIn(Some(&storyboard)), check)?)
+        Self::of_document(&document, Place::BuiltIn(Some(&storyboard)), check)
     }
 
-    /// Reads, completes and checks a scenario.
     pub(crate) fn of_document(
         document: &Document<'_>,
         place: Place<'_>,
@@ -136,7 +135,6 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// The scenario that has these keys.
     fn of_keys(mut keys: Table) -> Result<Self, Problem> {
         if let Some(version) = keys.get("schema_version").and_then(Value::as_integer)
             && version != i64::from(SCHEMA_VERSION)
@@ -233,7 +231,7 @@ impl Source {
             None if !looks_like_a_path && !path.exists() => return Err(builtin::unknown(argument)),
             None => {
                 let text = text_file::read(path, MAX_TEXT_BYTES)
-                    .map_err(|reason| ScenarioError::whole(argument, reason.to_string()))?;
+                    .map_err(|reason| ScenarioError::whole(argument, reason))?;
                 (argument.to_owned(), text, Some(path.parent().unwrap_or(path).to_owned()))
             }
         };

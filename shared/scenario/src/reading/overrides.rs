@@ -11,8 +11,8 @@ use super::setting::{Setting, plain, split};
 /// Keys to be set over a scenario file's own, in order: a later one wins.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
-    list: Vec<Override>,
-    are_shared: bool,
+    pub(super) list: Vec<Override>,
+    pub(super) are_shared: bool,
 }
 
 /// A setting on behalf of an option.
@@ -34,7 +34,6 @@ pub(super) struct Shown {
 }
 
 impl Overrides {
-    /// No override.
     pub fn new() -> Self {
         Self::default()
     }
@@ -62,14 +61,6 @@ impl Overrides {
     #[must_use]
     pub fn shared(self) -> Self {
         Self { are_shared: true, ..self }
-    }
-
-    pub(super) fn are_shared(&self) -> bool {
-        self.are_shared
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Override> {
-        self.list.iter()
     }
 
     /// The keys of a file with these laid over them.

@@ -17,7 +17,6 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// A problem at `path`.
     pub fn new(
         path: impl Into<String>,
         message: impl Into<String>,
@@ -25,6 +24,20 @@ impl Problem {
     ) -> Self {
         let (path, message, expected) = (path.into(), message.into(), expected.into());
         Self { path, message, expected, against: None, is_of_key: false }
+    }
+
+    /// A file of a scenario that is not a file itself.
+    pub(crate) fn unread(path: &str, expected: &str) -> Self {
+        Self::new(
+            path,
+            "the file has not been read, for this scenario is not a file itself",
+            expected,
+        )
+    }
+
+    /// A way that is not a road.
+    pub(crate) fn of_axis(path: &str, error: &road::AxisError) -> Self {
+        Self::new(path, error.to_string(), error.expected())
     }
 
     /// Names the key that this one contradicts.

@@ -10,16 +10,13 @@ use super::problem::Problem;
 use crate::perception::{Perception, RadarModel};
 
 /// Keys of `[controller]` that the control loop itself reads, whatever the law.
-const OF_THE_LOOP: [&str; 4] = ["name", "period_ms", "release", "deadline_ms"];
-/// A table of the loop's, with the dot before its keys.
-const CURVE_SPEED: &str = "curve_speed.";
+const OF_THE_LOOP: [&str; 5] = ["name", "period_ms", "release", "deadline_ms", "curve_speed."];
 
-/// Keys below `[controller]` that a law reads. Paths are relative to that table.
+/// Keys below `[controller]` that a law reads. Paths are relative to that table. One that ends in a dot is a whole table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reads {
     law: Option<String>,
-    keys: BTreeSet<String>,
-    tables: BTreeSet<String>,
+    read: BTreeSet<String>,
     idle: BTreeSet<String>,
     backup: BTreeSet<String>,
 }
@@ -30,19 +27,18 @@ impl Reads {
         Self::default()
     }
 
-    /// The keys of a law that has read nothing yet.
+    /// The keys that the control loop reads for a law.
     pub fn of(law: &str) -> Self {
-        Self { law: Some(law.to_owned()), ..Self::default() }
+        let read = OF_THE_LOOP.map(str::to_owned).into();
+        Self { law: Some(law.to_owned()), read, ..Self::default() }
     }
 
-    /// Adds a key that the law reads.
     pub fn key(&mut self, path: &str) {
-        self.keys.insert(path.to_owned());
+        self.read.insert(path.to_owned());
     }
 
-    /// Adds a table that the law reads.
     pub fn table(&mut self, name: &str) {
-        self.tables.insert(format!("{name}."));
+        self.read.insert(format!("{name}."));
     }
 
     /// Takes out a key of such a table that the variant or the vehicle does not use.
@@ -52,52 +48,44 @@ impl Reads {
 
     /// Adds what a backup law reads that takes over from this one.
     pub fn backup(&mut self, other: Self) {
-        self.backup.extend(other.keys.into_iter().chain(other.tables));
+        self.backup.extend(other.read);
     }
 
-    /// True if the law reads the key.
     pub fn has(&self, path: &str) -> bool {
-        self.law.is_none() || self.acts(path) || self.acts_on_backup(path)
+        self.law.is_none() || self.acts(path) || holds(&self.backup, path)
     }
 
     fn acts(&self, path: &str) -> bool {
-        let in_table = self.tables.iter().any(|table| path.starts_with(table.as_str()));
-        let in_own = in_table && !self.idle.contains(path);
-        let in_loop = OF_THE_LOOP.contains(&path) || path.starts_with(CURVE_SPEED);
-        in_own || in_loop || self.keys.contains(path)
-    }
-
-    fn acts_on_backup(&self, path: &str) -> bool {
-        self.backup.iter().any(|key| path == key || (key.ends_with('.') && path.starts_with(key)))
+        holds(&self.read, path) && !self.idle.contains(path)
     }
 
     /// Judges the keys that a document has below `[controller]`: what is to be noted of them.
     pub(super) fn judge(&self, document: &Document<'_>) -> Result<Vec<String>, Problem> {
         let Some(law) = &self.law else { return Ok(Vec::new()) };
-        let (mut unread, mut backup) = (Vec::new(), Vec::new());
-        for key in document.written_below("controller") {
-            if self.acts(&key) {
-                continue;
-            }
-            let path = format!("controller.{key}");
-            if self.acts_on_backup(&key) {
-                backup.push(path);
-            } else if document.is_for_another(&["controller.name"], &path) {
-                unread.push(path);
-            } else {
-                let message = format!("{key} has no effect with the law `{law}`");
-                let expected = match self.idle.contains(&key) {
-                    true => "a key that this variant of the law reads".to_owned(),
-                    false => format!(
+        let refuse = |key: &str, path: String| {
+            let expected = match self.idle.contains(key) {
+                true => "a key that this variant of the law reads".to_owned(),
+                false => {
+                    format!(
                         "a key that `{law}` reads; a file for several laws runs with --controller"
-                    ),
-                };
-                return Err(Problem::new(path, message, expected));
-            }
-        }
+                    )
+                }
+            };
+            Problem::new(path, format!("{key} has no effect with the law `{law}`"), expected)
+        };
+        let written = document.written_below("controller").into_iter();
+        let (backup, unread): (Vec<_>, Vec<_>) =
+            written.filter(|key| !self.acts(key)).partition(|key| holds(&self.backup, key));
+        let unread = for_another(document, "controller", unread, &["controller.name"], refuse)?;
+        let backup: Vec<_> = backup.iter().map(|key| format!("controller.{key}")).collect();
         let unread = note(&unread, &format!("no effect with the law `{law}`"));
         Ok(unread.into_iter().chain(note(&backup, "an effect on the backup law alone")).collect())
     }
+}
+
+/// True if one of the keys is the one at `path`, or a table around it.
+fn holds(keys: &BTreeSet<String>, path: &str) -> bool {
+    keys.iter().any(|key| path == key || (key.ends_with('.') && path.starts_with(key)))
 }
 
 /// Judges the keys that a document has below `[perception]`, as [`Reads::judge`] does.
@@ -110,20 +98,34 @@ pub(super) fn judge_radar(
         RadarModel::ObjectList => ("object-list", &["radar.detections.", "tracker.confirm_"]),
         RadarModel::Ideal => ("ideal", &NOT_IDEAL),
     };
-    let mut unread = Vec::new();
-    for key in document.written_below("perception") {
-        if !idle.iter().any(|start| key.starts_with(start)) {
-            continue;
+    let mut unread = document.written_below("perception");
+    unread.retain(|key| idle.iter().any(|start| key.starts_with(start)));
+    let effect = format!("no effect in the radar model `{model}`");
+    let choosing = ["perception.radar.model", "perception.ideal"];
+    let unread = for_another(document, "perception", unread, &choosing, |key, path| {
+        let expected = "a key of this model, or another perception.radar.model";
+        Problem::new(path, format!("{key} has {effect}"), expected).against(choosing[0])
+    })?;
+    Ok(note(&unread, &effect).into_iter().collect())
+}
+
+/// The paths of keys below `table` that have no effect. One that is not meant for another choice of the keys `choosing`
+/// is refused.
+fn for_another(
+    document: &Document<'_>,
+    table: &str,
+    unread: Vec<String>,
+    choosing: &[&str],
+    refuse: impl Fn(&str, String) -> Problem,
+) -> Result<Vec<String>, Problem> {
+    let path = |key: String| {
+        let path = format!("{table}.{key}");
+        match document.is_for_another(choosing, &path) {
+            true => Ok(path),
+            false => Err(refuse(&key, path)),
         }
-        let path = format!("perception.{key}");
-        if !document.is_for_another(&["perception.radar.model", "perception.ideal"], &path) {
-            let message = format!("{key} has no effect in the radar model `{model}`");
-            let expected = "a key of this model, or another perception.radar.model";
-            return Err(Problem::new(path, message, expected).against("perception.radar.model"));
-        }
-        unread.push(path);
-    }
-    Ok(note(&unread, &format!("no effect in the radar model `{model}`")).into_iter().collect())
+    };
+    unread.into_iter().map(path).collect()
 }
 
 /// Accuracies of the model `object-list`.

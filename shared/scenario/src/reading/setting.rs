@@ -38,25 +38,19 @@ pub struct Setting {
     typed: Option<String>,
 }
 
-/// A text that is not a setting, with the place in it.
-pub(super) struct Misread {
-    span: Range<usize>,
-    message: String,
-    expected: String,
-}
+/// The fault in a text that is not a setting: its place, a message and what was expected.
+pub(super) type Misread = (Range<usize>, String, String);
 
-impl Misread {
-    fn new(span: Range<usize>, message: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self { span, message: message.into(), expected: expected.into() }
-    }
-
-    /// The error about the `argument` of an option, whose part begins at `start`.
-    fn in_option(self, option: &str, argument: &str, start: usize) -> ScenarioError {
-        let shift = option.len() + 1 + start;
-        let span = self.span.start + shift..self.span.end + shift;
-        ScenarioError::in_option(&format!("{option} {argument}"), span, &self.message)
-            .expecting(self.expected)
-    }
+/// The error about the `argument` of an option, whose part begins at `start`.
+fn in_option(
+    (span, message, expected): Misread,
+    option: &str,
+    argument: &str,
+    start: usize,
+) -> ScenarioError {
+    let shift = option.len() + 1 + start;
+    let span = span.start + shift..span.end + shift;
+    ScenarioError::in_option(&format!("{option} {argument}"), span, &message).expecting(expected)
 }
 
 impl Setting {
@@ -77,7 +71,7 @@ impl Setting {
     /// # Errors
     /// When the argument has no `=`, or its key or value has not the form of one.
     pub fn read(option: &str, argument: &str) -> Result<Self, ScenarioError> {
-        Self::misread(argument).map_err(|(why, start)| why.in_option(option, argument, start))
+        Self::misread(argument).map_err(|(why, start)| in_option(why, option, argument, start))
     }
 
     fn misread(argument: &str) -> Result<Self, (Misread, usize)> {
@@ -87,12 +81,10 @@ impl Setting {
         Ok(Self { path, value, typed: Some(argument.to_owned()) })
     }
 
-    /// Its dotted path.
     pub fn key(&self) -> String {
         self.path.join(".")
     }
 
-    /// Its value.
     pub fn value(&self) -> &Value {
         &self.value
     }
@@ -118,7 +110,7 @@ pub(super) fn plain(value: &Value) -> Cow<'_, str> {
 /// # Errors
 /// When it has not the form of a value.
 pub fn option_value(option: &str, text: &str) -> Result<Value, ScenarioError> {
-    value_of(text).map_err(|why| why.in_option(option, text, 0))
+    value_of(text).map_err(|why| in_option(why, option, text, 0))
 }
 
 /// Steps of a path with their places in the text.
@@ -127,8 +119,8 @@ type Steps<'a> = Vec<(&'a str, Range<usize>)>;
 /// Names of the path in `KEY=VALUE` with their places, and the start of the value.
 pub(super) fn split(argument: &str) -> Result<(Steps<'_>, usize), Misread> {
     let Some(equals) = argument.find('=') else {
-        let expected = "KEY=VALUE, for example plant.period_ms=5";
-        return Err(Misread::new(0..argument.len(), "no `=`", expected));
+        let expected = "KEY=VALUE, for example plant.period_ms=5".to_owned();
+        return Err((0..argument.len(), "no `=`".to_owned(), expected));
     };
     let (mut path, mut at) = (Vec::new(), 0);
     for segment in argument[..equals].split(['.', '[']) {
@@ -141,8 +133,8 @@ pub(super) fn split(argument: &str) -> Result<(Steps<'_>, usize), Misread> {
         let is_key = !name.is_empty() && name.chars().all(bare);
         if !is_key || opened != inner.is_some() || path.len() == MAX_SEGMENTS {
             let message = format!("`{name}` cannot be a key of a scenario");
-            let expected = "names joined by dots, for example actors.0.gap_m";
-            return Err(Misread::new(span, message, expected));
+            let expected = "names joined by dots, for example actors.0.gap_m".to_owned();
+            return Err((span, message, expected));
         }
         path.push((name, span));
     }
@@ -163,9 +155,9 @@ fn value_of(text: &str) -> Result<Value, Misread> {
         if let Some(number) = number_with_unit(text) {
             let message = format!("`{text}` is not a number: the key's name has the unit");
             let expected = format!("a number alone, such as {number}");
-            return Misread::new(0..text.len(), message, expected);
+            return (0..text.len(), message, expected);
         }
-        Misread::new(error.span().unwrap_or(0..text.len()), error.message(), "")
+        (error.span().unwrap_or(0..text.len()), error.message().to_owned(), String::new())
     })
 }
 
@@ -211,7 +203,7 @@ impl TryFrom<String> for Setting {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
-        Self::misread(&text).map_err(|(Misread { message, expected, .. }, _)| {
+        Self::misread(&text).map_err(|((_, message, expected), _)| {
             let expected = if expected.is_empty() { "a TOML value" } else { &expected };
             format!("`{text}`: {message}, expected {expected}")
         })

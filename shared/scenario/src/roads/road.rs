@@ -19,7 +19,7 @@ use crate::Problem;
 use crate::ScenarioError;
 use crate::plan::Plan;
 use crate::quantity::{
-    Distance, GradeMagnitude, GradePercent, Height, Length, Reach, RoadLength, Seed,
+    Distance, GradeMagnitude, GradePercent, Height, Length, OutOfRange, Reach, RoadLength, Seed,
 };
 use crate::reading::csv::Table;
 use crate::reading::refuse;
@@ -35,8 +35,7 @@ tables! {
         /// A road made by a random generator.
         pub generated: Option<Generated>,
         /// The points themselves; beside `csv`, what the file held when the scenario was opened.
-        #[sparse]
-        pub points: Vec<RoadPoint> = default,
+        pub points: Vec<RoadPoint> = sparse,
         /// The course of the road in the plane; absent: a straight road, and no messages of the plane.
         pub plan: Option<Plan>,
     }
@@ -121,9 +120,9 @@ impl Road {
         if let Some(generated) = &self.generated {
             return generated.profile();
         }
-        refuse!(if self.csv.is_some() && self.points.is_empty(), "road.csv":
-            "the file has not been read, for this scenario is not a file itself",
-            "points, or a scenario file");
+        if self.csv.is_some() && self.points.is_empty() {
+            return Err(Problem::unread("road.csv", "points, or a scenario file"));
+        }
         let point =
             |point: &RoadPoint| Point { distance_m: point.0.value(), height_m: point.1.value() };
         GradeProfile::new(self.points.iter().map(point).collect()).map_err(|error| {
@@ -152,24 +151,17 @@ impl Generated {
 }
 
 /// Heights of a file, way and height in m, as a scenario keeps them.
-pub(crate) fn points(heights: &[[f64; 2]]) -> Result<Vec<RoadPoint>, Problem> {
-    let point = |[distance_m, height_m]: &[f64; 2]| {
-        let refuse = |message: String| Problem::new("road", message, "heights that are in range");
-        let distance =
-            Distance::try_from(*distance_m).map_err(|error| refuse(error.to_string()))?;
-        let height = Height::try_from(*height_m).map_err(|error| refuse(error.to_string()))?;
-        Ok(RoadPoint(distance, height))
+pub(crate) fn points(
+    heights: impl IntoIterator<Item = [f64; 2]>,
+) -> Result<Vec<RoadPoint>, Problem> {
+    let refuse = |error: OutOfRange<f64>| {
+        Problem::new("road", error.to_string(), "heights that are in range")
     };
-    heights.iter().map(point).collect()
-}
-
-/// The points of a profile as a scenario keeps them.
-pub(crate) fn points_of(profile: &GradeProfile) -> Vec<RoadPoint> {
-    let point = |point: &Point| {
-        let distance = Distance::try_from(point.distance_m).ok()?;
-        Some(RoadPoint(distance, Height::try_from(point.height_m).ok()?))
+    let point = |[distance_m, height_m]: [f64; 2]| {
+        let distance = Distance::try_from(distance_m).map_err(refuse)?;
+        Ok(RoadPoint(distance, Height::try_from(height_m).map_err(refuse)?))
     };
-    profile.points().iter().filter_map(point).collect()
+    heights.into_iter().map(point).collect()
 }
 
 /// Reads a road from a CSV text. It has the column `distance_m` and one of `height_m` and `grade_percent`; the grade's

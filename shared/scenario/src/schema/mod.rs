@@ -28,7 +28,6 @@ pub trait Schema: Sized + 'static {
     /// True if a key of this type can always be left out.
     const IS_OPTION: bool = false;
 
-    /// Form of the value.
     fn shape() -> Shape;
 
     /// Accepted values in words; none if the shape gives them.
@@ -37,7 +36,6 @@ pub trait Schema: Sized + 'static {
     }
 }
 
-/// A value's type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     Boolean,
@@ -114,13 +112,8 @@ impl Shape {
     /// True if a default of this type is one value: each key of a table has its own.
     fn is_plain(&self) -> bool {
         match self {
-            Self::Table(_) | Self::Kinds(_) | Self::Free => false,
             Self::List(element) => element.is_plain(),
-            Self::Boolean
-            | Self::Number { .. }
-            | Self::Text { .. }
-            | Self::Tuple(..)
-            | Self::Choice(_) => true,
+            other => !matches!(other, Self::Table(_) | Self::Kinds(_) | Self::Free),
         }
     }
 }

@@ -23,25 +23,19 @@ tables! {
         /// Way of the signals to the vehicle. `direct`: as structs. `frames`: as SPATEM and MAPEM of the simulated
         /// units. Else it is the address of a carrier of other units' frames: `udp://ADDRESS:PORT`, `zenoh`,
         /// `zenoh:FILE.json5`, `pcap:FILE`.
-        #[sparse]
-        pub radio: Radio = default,
+        pub radio: Radio = sparse,
         /// The signals along the road, in order of their stop lines.
         pub signals: Vec<Signal> = default,
         /// The map of the road ahead, with its faults.
-        #[sparse]
-        pub preview: Preview = default,
+        pub preview: Preview = sparse,
         /// Place of the road on the Earth, with frames.
-        #[sparse]
-        pub origin: Origin = default,
+        pub origin: Origin = sparse,
         /// The air between roadside units and vehicle, with frames.
-        #[sparse]
-        pub air: Air = default,
+        pub air: Air = sparse,
         /// Errors of the roadside units, with frames.
-        #[sparse]
-        pub unit: Unit = default,
+        pub unit: Unit = sparse,
         /// The on-board unit, with frames.
-        #[sparse]
-        pub obu: Obu = default,
+        pub obu: Obu = sparse,
     }
 
     /// Faults of the maps. Without any they are exact.

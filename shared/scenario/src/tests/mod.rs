@@ -50,7 +50,7 @@ fn every_built_in_scenario_is_right_and_carries_its_name_and_summary() {
         let scenario = Scenario::open(builtin.name, &Overrides::new(), &|_| Ok(Default::default()))
             .unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(scenario.name.as_str(), builtin.name);
-        assert_eq!(scenario.description.as_str(), builtin.summary);
+        assert_eq!(scenario.description.as_str(), builtin.summary());
     }
 }
 

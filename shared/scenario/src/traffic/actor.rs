@@ -40,11 +40,9 @@ tables! {
         /// Profile of its speed. Times count from the start of the run.
         pub profile: Profile = default,
         /// Lateral motions in order of time: a cut-in ends at 0, a cut-out beside the lane.
-        #[sparse]
-        pub lateral: Vec<LateralMotion> = default,
+        pub lateral: Vec<LateralMotion> = sparse,
         /// Its events, beside keeping its speed.
-        #[sparse]
-        pub events: Vec<ActorEvent> = default,
+        pub events: Vec<ActorEvent> = sparse,
     }
 
     /// Profile of an actor's speed.
@@ -123,12 +121,7 @@ impl Profile {
         match self {
             Self::Speeds(points) | Self::Csv(CsvFile { points, .. }) => Some(points),
             Self::Cycle(cycle) => Some(cycle.points()),
-            Self::Constant
-            | Self::Steps(_)
-            | Self::Sine(_)
-            | Self::Piecewise(_)
-            | Self::Storyboard
-            | Self::Sumo => None,
+            _ => None,
         }
     }
 }

@@ -32,16 +32,13 @@ impl Cycle {
     /// The points, from time 0.
     pub fn points(self) -> &'static [SpeedPoint] {
         static TABLES: [OnceLock<Vec<SpeedPoint>>; 4] = [const { OnceLock::new() }; 4];
-        TABLES[self as usize].get_or_init(|| parse(self.text()))
-    }
-
-    fn text(self) -> &'static str {
-        match self {
+        let text = match self {
             Self::Udds => include_str!("../../cycles/udds.txt"),
             Self::Hwfet => include_str!("../../cycles/hwfet.txt"),
             Self::Us06 => include_str!("../../cycles/us06.txt"),
             Self::Wltc3b => include_str!("../../cycles/wltc-3b.txt"),
-        }
+        };
+        TABLES[self as usize].get_or_init(|| parse(text))
     }
 }
 

@@ -19,17 +19,13 @@ use scenario_derive::tables;
 use std::path::PathBuf;
 
 use crate::actor::{Actor, MAX_ACTORS, Profile};
-use crate::event::VEHICLE_WIDTH_M;
 use crate::lateral::LateralModel;
-use crate::name::Name;
 use crate::plan::{Lanes, Start};
-use crate::quantity::{
-    Distance, Duration, IntersectionId, Lateral, Length, OutOfRange, SignalGroupId, Speed, Time,
-};
-use crate::reading::{Document, Refusal, ScenarioError, refuse};
+use crate::quantity::{Duration, IntersectionId, OutOfRange, SignalGroupId, Time};
+use crate::reading::{Document, Refusal, ScenarioError, plain, refuse};
 use crate::supervision::Restart;
 use crate::v2x::{MAX_SIGNALS, Phase, ProgramPhase, Signal};
-use crate::{Problem, Scenario};
+use crate::{Problem, Scenario, Value, table};
 
 /// Most links of a controller that have a signal group: groups count from 1 to 254.
 const MAX_LINKS: usize = 254;
@@ -81,9 +77,7 @@ pub(crate) fn load(
     scenario.v2x.signals = signals;
     follow(scenario, &route, |key| document.has(key))?;
     let plan = scenario.road.plan.get_or_insert_default();
-    let (axis, _) = route
-        .axis()
-        .map_err(|error| Problem::new("traffic.sumo", error.to_string(), error.expected()))?;
+    let (axis, _) = route.axis().map_err(|error| Problem::of_axis("traffic.sumo", &error))?;
     plan.lay(axis);
     if !document.has("road.plan") {
         plan.start = Start::of_pose(&route.start);
@@ -95,8 +89,9 @@ pub(crate) fn load(
 
 /// Refuses keys that act with SUMO alone.
 fn unused(scenario: &Scenario) -> Result<(), Problem> {
-    refuse!(if scenario.traffic.sumo.is_some(), "traffic.sumo":
-        "the file has not been read, for this scenario is not a file itself", "a scenario file");
+    if scenario.traffic.sumo.is_some() {
+        return Err(Problem::unread("traffic.sumo", "a scenario file"));
+    }
     refuse!(if scenario.traffic.ego.is_some(),
         "traffic.ego": "traffic.ego has no effect without SUMO", "traffic.sumo");
     refuse!(if let Some(index) = scenario.actors.iter().position(is_place),
@@ -158,20 +153,9 @@ fn width_m(route: &sumo::Route) -> f64 {
 
 /// A place for a vehicle.
 fn place(number: usize) -> Actor {
-    Actor {
-        name: Name::of(&format!("sumo-{number}")),
-        gap_m: Distance::of(0.0),
-        initial_speed_mps: Some(Speed::of(0.0)),
-        max_speed_mps: None,
-        length_m: Length::of(4.5),
-        width_m: Length::of(VEHICLE_WIDTH_M),
-        lateral_offset_m: Lateral::of(0.0),
-        appears_at_s: Time::of(0.0),
-        leaves_at_s: None,
-        profile: Profile::Sumo,
-        lateral: Vec::new(),
-        events: Vec::new(),
-    }
+    let name = format!("sumo-{number}");
+    let keys = table! { name: name, gap_m: 0, initial_speed_mps: 0, profile: "sumo" };
+    plain(Value::Table(keys), "actors").expect("the keys that an actor needs")
 }
 
 /// The signals at the stop lines. What they show comes from SUMO: their program is a filler.

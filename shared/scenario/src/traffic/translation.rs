@@ -10,7 +10,7 @@ use openscenario::model::condition::{Condition, Test, Trigger};
 use openscenario::model::{Drive, Script};
 use openscenario::read;
 use openscenario::world::{Extent, Way};
-use openscenario::{Choices, Disk, ReadError, Rule, Spot, World, WorldError};
+use openscenario::{Choices, Disk, Rule, Spot, World, WorldError};
 use road::AxisError;
 
 use crate::actor::MAX_ACTORS;
@@ -27,63 +27,35 @@ const MAX_LINE: usize = 500;
 /// Shortest extent of an actor along the road, m.
 const MIN_LENGTH_M: f64 = 0.1;
 
-/// An OpenSCENARIO file that makes no scenario.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum OpenError {
-    /// The file, a catalog or the road is refused.
-    #[error("error: {0}")]
-    Read(#[from] ReadError),
-    /// Its beginning makes no sense.
-    #[error("error: {place}: {cause}")]
-    Start {
-        /// The file, with the place where it says how the entity begins.
-        place: String,
-        cause: WorldError,
-    },
-    /// The line along which the ego drives is not a road.
-    #[error("error: {place}: the ego's way: {cause}, expected {}", cause.expected())]
-    Road {
-        /// The file, with the place where it says how the ego begins.
-        place: String,
-        cause: AxisError,
-    },
-    /// It has more actors than a scenario takes.
-    #[error("error: {file}: {count} entities beside the ego, expected at most {MAX_ACTORS}")]
-    Actors {
-        file: String,
-        /// Number of elements.
-        count: usize,
-    },
-    /// It does not fit a scenario, or an override does not.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-}
-
 /// Reads an OpenSCENARIO file: the keys of the scenario that runs it, and its storyboard.
 pub(crate) fn translated(
     path: &Path,
     choices: &Choices,
-) -> Result<(Foreign, Storyboard), OpenError> {
+) -> Result<(Foreign, Storyboard), ScenarioError> {
     let file = path.display().to_string();
-    let read = read::scenario_by(path, &Disk, choices)?;
+    let read = read::scenario_by(path, &Disk, choices).map_err(|e| ScenarioError::whole_of(&e))?;
     let (script, spots) = (read.script, read.spots);
     let place_of = |spot: Spot| format!("{file}:{spot}");
     let world = World::new(script.clone()).map_err(|cause| {
         let entity = cause.entity().and_then(|name| script.entity(name));
         let place = entity.map_or(file.clone(), |entity| place_of(spots.starts[entity]));
-        OpenError::Start { place, cause }
+        ScenarioError::whole(&place, cause.to_string())
     })?;
     if let Some(index) = overlaps_the_ego(&script, &world) {
         let (place, entity) = (place_of(spots.starts[index]), script.entities[index].name.clone());
         let reason = "cannot be placed: it overlaps the ego at the start".to_owned();
-        return Err(OpenError::Start { place, cause: WorldError::Start { entity, reason } });
+        let cause = WorldError::Start { entity, reason };
+        return Err(ScenarioError::whole(&place, cause.to_string()));
     }
     let count = script.entities.len() - 1;
     if count > MAX_ACTORS {
-        return Err(OpenError::Actors { file, count });
+        return Err(ScenarioError::whole(&file, format!("{count} entities beside the ego"))
+            .expecting(format!("at most {MAX_ACTORS}")));
     }
-    let (road, way) = road_of(&script, &world)
-        .map_err(|cause| OpenError::Road { place: place_of(spots.starts[script.ego]), cause })?;
+    let (road, way) = road_of(&script, &world).map_err(|cause| {
+        let place = place_of(spots.starts[script.ego]);
+        ScenarioError::whole(&place, format!("the ego's way: {cause}")).expecting(cause.expected())
+    })?;
     let printable = read.description.chars().filter(|c| !c.is_control());
     let ego_mps = world.motion(script.ego).speed_mps;
     let mut keys = table! {
@@ -110,14 +82,14 @@ pub(crate) fn translated(
     entities.extend(actors.map(|(number, entity)| (entity, format!("actors.{number}"))));
     for (entity, path) in entities {
         let name = &script.entities[entity].name;
-        let start = (place_of(spots.starts[entity]), format!("`{name}` in Init"));
+        let (place, what) = (place_of(spots.starts[entity]), format!("`{name}` in Init"));
         if entity == script.ego {
-            keys.come_from("set_speed_mps", &start.0, &start.1);
-            keys.come_from("road", &start.0, &start.1);
+            keys.come_from("set_speed_mps", &place, &what);
+            keys.come_from("road", &place, &what);
         }
-        let length = (format!("{path}.length_m"), place_of(spots.entities[entity]));
-        keys.come_from(length.0, &length.1, &format!("`{name}`"));
-        keys.come_from(path, &start.0, &start.1);
+        let declared = place_of(spots.entities[entity]);
+        keys.come_from(format!("{path}.length_m"), &declared, &format!("`{name}`"));
+        keys.come_from(path, &place, &what);
     }
     let notices = super::start_notices::of(&script, &world, choices.headings);
     let storyboard = Storyboard {

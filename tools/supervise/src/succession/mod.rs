@@ -127,7 +127,7 @@ impl Succession {
     /// The first processes of a service, which are starting.
     pub fn new(policy: &Supervision, restart: Restart, with_standby: bool) -> Self {
         Self {
-            policy: *policy,
+            policy: policy.clone(),
             restart,
             active: 0,
             phase: Phase::Starting { since_ns: -1 },

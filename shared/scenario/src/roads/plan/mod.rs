@@ -33,17 +33,13 @@ tables! {
     /// The road in the plane. Outside its ends it goes on straight.
     pub struct Plan {
         /// The pieces in order: `{ line_m }`, `{ arc_m, radius_m, turn }`, `{ spiral_m }`.
-        #[sparse]
-        pub pieces: Vec<PlanPiece> = default,
+        pub pieces: Vec<PlanPiece> = sparse,
         /// A road made by a random generator.
-        #[sparse]
         pub generated: Option<GeneratedPlan>,
         /// A lane of an OpenDRIVE file.
-        #[sparse]
         pub opendrive: Option<OpendriveRoad>,
         /// Place and heading of the road's beginning in the plane.
-        #[sparse]
-        pub start: Start = default,
+        pub start: Start = sparse,
         /// The lanes.
         pub lanes: Lanes = default,
         #[serde(skip)]
@@ -87,8 +83,7 @@ tables! {
         /// Lines of all lanes along the road, where lanes begin, end or change their width. Stations are `[p_m, l_m,
         /// ..]`: the place along the ego's lane, and the lines there from right to left, m from its middle. Filled from
         /// an OpenDRIVE file.
-        #[sparse]
-        pub along: road::LaneLines = default,
+        pub along: road::LaneLines = sparse,
     }
 }
 
@@ -191,7 +186,7 @@ impl Plan {
                 true => "road.plan".to_owned(),
                 false => format!("road.plan.pieces.{}", error.piece),
             };
-            Problem::new(path, error.to_string(), error.expected())
+            Problem::of_axis(&path, &error)
         })
     }
 }

@@ -23,8 +23,7 @@ tables! {
         /// Content of the file when the scenario was opened: the line that the ego drives along.
         pub line: Option<Driven>,
         /// The storyboard's road: a translation sets it.
-        #[sparse]
-        pub of_storyboard: bool = default,
+        pub of_storyboard: bool = sparse,
     }
 }
 
@@ -43,17 +42,9 @@ impl OpendriveRoad {
 
     /// The middle of the ego's lane.
     pub(super) fn axis(&self) -> Result<road::Axis, Problem> {
-        let refuse = |message: String, expected: String| {
-            Err(Problem::new("road.plan.opendrive", message, expected))
-        };
-        let Some(line) = &self.line else {
-            let message = "the file has not been read, for this scenario is not a file itself";
-            return refuse(message.to_owned(), "a scenario file".to_owned());
-        };
-        match line.axis() {
-            Ok((axis, _)) => Ok(axis),
-            Err(error) => refuse(error.to_string(), error.expected()),
-        }
+        const PATH: &str = "road.plan.opendrive";
+        let line = self.line.as_ref().ok_or_else(|| Problem::unread(PATH, "a scenario file"))?;
+        line.axis().map(|(axis, _)| axis).map_err(|error| Problem::of_axis(PATH, &error))
     }
 }
 

@@ -1,30 +1,25 @@
 //! The columns of a record by what they hold, with their units: `t=stamp, v=speed:km/h`.
 
 use crate::{Problem, accepted};
+use bags::Motion;
 
-/// The content of a column: the letter, and units with their factor to SI. The first is the unit of a name without
-/// unit.
-struct Quantity {
-    units: &'static [(&'static str, f64)],
-}
+/// Units of a quantity with their factor to SI. The first is the unit of a name without unit.
+type Units = &'static [(&'static str, f64)];
 
-const TIME: Quantity =
-    Quantity { units: &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0)] };
-const SPEED: Quantity = Quantity {
-    units: &[
-        ("m/s", 1.0),
-        ("km/h", 1.0 / 3.6),
-        ("mph", 0.447_04),
-        ("kn", 1852.0 / 3600.0),
-        ("ft/s", 0.304_8),
-        ("cm/s", 0.01),
-    ],
-};
-const LENGTH: Quantity =
-    Quantity { units: &[("m", 1.0), ("km", 1e3), ("cm", 0.01), ("ft", 0.304_8), ("mi", 1609.344)] };
-const ANGLE: Quantity = Quantity { units: &[("rad", 1.0), ("deg", std::f64::consts::PI / 180.0)] };
+const TIME: Units = &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0)];
+const SPEED: Units = &[
+    ("m/s", 1.0),
+    ("km/h", 1.0 / 3.6),
+    ("mph", 0.447_04),
+    ("kn", 1852.0 / 3600.0),
+    ("ft/s", 0.304_8),
+    ("cm/s", 0.01),
+];
+const LENGTH: Units = &[("m", 1.0), ("km", 1e3), ("cm", 0.01), ("ft", 0.304_8), ("mi", 1609.344)];
+// Degrees are what receivers write.
+const ANGLE: Units = &[("deg", std::f64::consts::PI / 180.0), ("rad", 1.0)];
 
-const LETTERS: [(&str, Quantity); 7] = [
+const LETTERS: [(&str, Units); 7] = [
     ("t", TIME),
     ("v", SPEED),
     ("s", LENGTH),
@@ -39,19 +34,6 @@ const LETTERS: [(&str, Quantity); 7] = [
 pub(super) struct Column {
     pub(super) name: String,
     pub(super) factor: f64,
-}
-
-/// The columns that give the motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Motion {
-    /// Speed, m/s.
-    Speed,
-    /// Distance along the road, m.
-    Distance,
-    /// Position in a plane, m.
-    Plane,
-    /// Latitude and longitude, rad.
-    Geodetic,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -91,7 +73,7 @@ impl Columns {
                 let message = format!("`{letter}` stands here twice");
                 return Err(Problem::new("columns", message, "it once"));
             }
-            found[index] = Some(column(rest.trim(), &LETTERS[index].1)?);
+            found[index] = Some(column(rest.trim(), LETTERS[index].1)?);
         }
         let [time, speed, distance, x, y, latitude, longitude] = found;
         let (motion, of_motion) = match (speed, distance, (x, y), (latitude, longitude)) {
@@ -113,27 +95,18 @@ impl Columns {
     }
 }
 
-fn column(text: &str, quantity: &Quantity) -> Result<Column, Problem> {
-    // Degrees are what receivers write; all other quantities have their SI unit first.
-    let usual = quantity.units.last().filter(|(unit, _)| *unit == "deg");
-    let (name, unit) =
-        text.rsplit_once(':').map_or((text, None), |(name, unit)| (name, Some(unit)));
-    let factor = match unit.map(str::trim) {
-        None => usual.unwrap_or(&quantity.units[0]).1,
-        Some(unit) => {
-            let known = quantity.units.iter().find(|(known, _)| *known == unit);
-            let (_, factor) = known.ok_or_else(|| {
-                let message = format!("unknown unit `{unit}` of `{}`", name.trim());
-                let units = quantity.units.iter().map(|(unit, _)| *unit);
-                Problem::new("columns", message, accepted(unit, units))
-            })?;
-            *factor
-        }
-    };
-    if name.trim().is_empty() {
+fn column(text: &str, units: Units) -> Result<Column, Problem> {
+    let (name, unit) = text.rsplit_once(':').unwrap_or((text, units[0].0));
+    let (name, unit) = (name.trim(), unit.trim());
+    let known = units.iter().find(|(known, _)| *known == unit);
+    let (_, factor) = *known.ok_or_else(|| {
+        let message = format!("unknown unit `{unit}` of `{name}`");
+        Problem::new("columns", message, accepted(unit, units.iter().map(|(unit, _)| *unit)))
+    })?;
+    if name.is_empty() {
         return Err(Problem::new("columns", "a column without a name", EXPECTED));
     }
-    Ok(Column { name: name.trim().to_owned(), factor })
+    Ok(Column { name: name.to_owned(), factor })
 }
 
 #[cfg(test)]

@@ -26,8 +26,7 @@ tables! {
         /// Longest step between two rows, s; absent: in a regular record ten usual steps, at least 1 s.
         pub max_gap_s: Option<Duration>,
         /// Motion after the last row.
-        #[sparse]
-        pub after_end: AfterEnd = default,
+        pub after_end: AfterEnd = sparse,
         /// The file's content when the scenario was opened. It is not read again if present.
         pub points: Vec<SpeedPoint> = default,
     }

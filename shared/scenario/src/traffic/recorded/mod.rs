@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! CSV, MCAP ─► rows ─► times and speeds ─► filter ─► cut at the start ─► points
-//!                        (source)  (columns, motion)  (smooth)
+//!            (source)   (columns, bags)    (bags)
 //! ```
 //!
 //! * [`CsvFile`]: the keys of `actors[].profile.csv`
@@ -13,8 +13,6 @@
 
 mod columns;
 mod keys;
-mod motion;
-mod smooth;
 mod source;
 
 pub(crate) use keys::READING;
@@ -24,7 +22,8 @@ use crate::quantity::{Speed, Time};
 use crate::reading::text_file;
 use crate::speeds::SpeedPoint;
 use crate::{Problem, Refusal, ScenarioError};
-use columns::{Columns, Motion};
+use bags::Motion;
+use columns::Columns;
 use source::Source;
 use std::ops::Range;
 use std::path::Path;
@@ -100,7 +99,7 @@ pub fn read(path: &Path, keys: &CsvFile) -> Result<Record, Refusal> {
         return record(&Source::messages(&source, keys, &columns)?, keys, &columns);
     }
     let text = text_file::read(path, MAX_RECORD_BYTES)
-        .map_err(|reason| ScenarioError::whole(&source, reason.to_string()))?;
+        .map_err(|reason| ScenarioError::whole(&source, reason))?;
     read_text(&source, &text, keys)
 }
 
@@ -138,7 +137,7 @@ fn record(source: &Source<'_>, keys: &CsvFile, columns: &Columns) -> Result<Reco
         source.refusal(*row, 0, &message, expected)
     });
     let (smoothed, standing) = match half_s {
-        Some(half_s) => smooth::speeds(&t, &v, half_s),
+        Some(half_s) => bags::smoothed(&t, &v, half_s),
         None => (v.clone(), Vec::new()),
     };
     let end = |range: &Range<usize>| (t[range.start], t[range.end - 1]);
@@ -173,11 +172,8 @@ fn times(
             Some(offset_s) => factor * (stamp - from) - offset_s,
             None => factor * stamp,
         };
-        let refused = match (time_s.is_finite(), offset_s) {
-            (true, Some(_)) => None,
-            _ => Time::try_from(time_s).err(),
-        };
-        if let Some(refused) = refused {
+        let is_right = time_s.is_finite() && offset_s.is_some();
+        if let Some(refused) = Time::try_from(time_s).err().filter(|_| !is_right) {
             if time_s.is_finite() && row == 0 {
                 let message = format!("the time of the first row: {time_s} is out of range");
                 let expected = "0 (the run begins with the first row)";
@@ -218,7 +214,7 @@ fn speeds(
     };
     let of_motion = columns.of_motion.iter().enumerate().map(values);
     let of_motion = of_motion.collect::<Result<Vec<_>, _>>()?;
-    let mut speeds = motion::speeds(t, columns.motion, &of_motion, half_s);
+    let mut speeds = bags::speeds(t, columns.motion, &of_motion, half_s);
     for (row, speed) in speeds.iter_mut().enumerate() {
         let is_rest = half_s.is_some() && (REST_NOISE_MPS..0.0).contains(speed);
         match Speed::try_from(if is_rest { 0.0 } else { *speed }) {
@@ -313,18 +309,13 @@ fn finish(
 
 /// The largest change of speed between two points, m/s², with its sign, and its time, s.
 pub fn hardest(points: impl IntoIterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
-    let mut hardest: Option<(f64, f64)> = None;
-    let mut last: Option<(f64, f64)> = None;
-    for (t, v) in points {
-        if let Some((t0, v0)) = last {
-            let rate = (v - v0) / (t - t0);
-            if hardest.is_none_or(|(most, _)| rate.abs() > most.abs()) {
-                hardest = Some((rate, t0));
-            }
-        }
-        last = Some((t, v));
-    }
-    hardest
+    let points: Vec<_> = points.into_iter().collect();
+    let change = |pair: &[(f64, f64)]| {
+        let ((t0, v0), (t, v)) = (pair[0], pair[1]);
+        ((v - v0) / (t - t0), t0)
+    };
+    let harder = |a: (f64, f64), b: (f64, f64)| if b.0.abs() > a.0.abs() { b } else { a };
+    points.windows(2).map(change).reduce(harder)
 }
 
 impl Record {

@@ -26,7 +26,6 @@ pub(super) enum Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// Finds the rows and columns of a table.
     pub(super) fn lines(
         source: &'a str,
         text: &'a str,
@@ -72,7 +71,6 @@ impl<'a> Source<'a> {
         Ok(Self::Lines { table, rows, columns })
     }
 
-    /// Reads the messages of a topic.
     pub(super) fn messages(
         path: &'a str,
         keys: &'a CsvFile,
@@ -104,7 +102,6 @@ impl<'a> Source<'a> {
         Ok(Self::Messages { path, topic, series, has_time: columns.time.is_some() })
     }
 
-    /// Number of rows.
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Lines { rows, .. } => rows.len(),
@@ -142,7 +139,6 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// An error at a field.
     pub(super) fn refusal(
         &self,
         row: usize,

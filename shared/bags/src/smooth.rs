@@ -1,4 +1,4 @@
-//! The filter behind `smooth_s`: local linear regression that keeps stops.
+//! The filter of speeds: local linear regression that keeps stops.
 //!
 //! Each value becomes the value at its instant of the straight line that fits its neighbours best, with
 //! Cleveland's tricube weights over ±`h` (W. S. Cleveland, "Robust locally weighted regression and smoothing
@@ -25,7 +25,7 @@ use std::ops::Range;
 const STANDING_MPS: f64 = 1.0 / 3.6;
 
 /// Smoothed speeds of samples at times `t`, and the stops among them. `t` increases.
-pub(super) fn speeds(t: &[f64], v: &[f64], half_s: f64) -> (Vec<f64>, Vec<Range<usize>>) {
+pub fn smoothed(t: &[f64], v: &[f64], half_s: f64) -> (Vec<f64>, Vec<Range<usize>>) {
     let stops = stops(t, v, half_s);
     let mut smoothed = vec![0.0; v.len()];
     let mut begin = 0;
@@ -48,7 +48,7 @@ pub(super) fn speeds(t: &[f64], v: &[f64], half_s: f64) -> (Vec<f64>, Vec<Range<
 }
 
 /// Slopes of the local lines through samples at times `t`, per second.
-pub(super) fn slopes(t: &[f64], values: &[f64], half_s: f64) -> Vec<f64> {
+pub(crate) fn slopes(t: &[f64], values: &[f64], half_s: f64) -> Vec<f64> {
     let all = 0..t.len();
     let slope = |i: usize| {
         let near = near(t, &all, t[i] - half_s, t[i] + half_s);
@@ -128,7 +128,7 @@ mod tests {
     fn a_constant_acceleration_passes_unchanged_also_at_the_ends() {
         let t: Vec<f64> = (0..60).map(|k| f64::from(k) * 0.1 + 0.03 * f64::from(k % 3)).collect();
         let v: Vec<f64> = t.iter().map(|t| 3.0 + 1.5 * t).collect();
-        let (smoothed, stops) = speeds(&t, &v, 1.0);
+        let (smoothed, stops) = smoothed(&t, &v, 1.0);
         assert!(stops.is_empty());
         for (a, b) in smoothed.iter().zip(&v) {
             assert!((a - b).abs() < 1e-9, "{a} {b}");
@@ -150,7 +150,7 @@ mod tests {
             0.25 * sum
         };
         let v: Vec<f64> = t.iter().map(|t| (drive(*t) + noise()).max(0.0)).collect();
-        let (smoothed, stops) = speeds(&t, &v, 1.0);
+        let (smoothed, stops) = smoothed(&t, &v, 1.0);
         assert_eq!(stops.len(), 2, "{stops:?}");
         let steepest = |v: &[f64]| {
             v.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.1).fold(0.0, f64::max)
@@ -172,6 +172,6 @@ mod tests {
     #[test]
     fn a_window_without_neighbours_changes_nothing() {
         let (t, v) = ([0.0, 5.0, 10.0], [4.0, 7.0, 5.0]);
-        assert_eq!(speeds(&t, &v, 1.0).0, v);
+        assert_eq!(smoothed(&t, &v, 1.0).0, v);
     }
 }

@@ -1,23 +1,30 @@
 //! Speeds from recorded positions.
 
-use super::columns::Motion;
-use super::smooth::slopes;
+use crate::smooth::slopes;
 
 /// Semi-major axis, m, and square of the eccentricity of the WGS 84 ellipsoid (NGA.STND.0036, table 3.1).
 const EQUATOR_M: f64 = 6_378_137.0;
 const ECCENTRICITY_2: f64 = 6.694_379_990_141e-3;
+
+/// The columns that give a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Speed, m/s.
+    Speed,
+    /// Distance along the road, m.
+    Distance,
+    /// Position in a plane, m.
+    Plane,
+    /// Latitude and longitude, rad.
+    Geodetic,
+}
 
 /// Speeds, m/s, of the columns of a motion at times `t`, s. Along a road they keep their sign.
 ///
 /// Positions become speeds by the slope of the line that the filter fits ([`slopes`]). Without a filter, central
 /// differences are used. Latitude and longitude become metres on the ellipsoid's plane at the first row. 20 km from
 /// there, the speed is 0.3 % wrong. The longitude may jump by a turn (at 180°).
-pub(super) fn speeds(
-    t: &[f64],
-    motion: Motion,
-    columns: &[Vec<f64>],
-    half_s: Option<f64>,
-) -> Vec<f64> {
+pub fn speeds(t: &[f64], motion: Motion, columns: &[Vec<f64>], half_s: Option<f64>) -> Vec<f64> {
     let rate = |values: &[f64]| match half_s {
         Some(half_s) => slopes(t, values, half_s),
         None => differences(t, values),
