@@ -128,8 +128,6 @@ numbers! {
 /// `others { name: type = value; }`. Such a table has a `Default` and no constant, and is not `Copy` by itself.
 #[macro_export]
 macro_rules! parameters {
-    (@excludes) => { false };
-    (@excludes above) => { true };
     (@constant $table:ident { $($values:tt)* }) => {
         impl Copy for $table {}
 
@@ -187,7 +185,7 @@ macro_rules! parameters {
                     name: stringify!($name),
                     unit: $unit,
                     range: ($least, $most),
-                    excludes_least: $crate::parameters!(@excludes $($above)?),
+                    excludes_least: !stringify!($($above)?).is_empty(),
                     origin: $origin,
                 },
             )+];

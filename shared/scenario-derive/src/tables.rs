@@ -96,45 +96,38 @@ impl Table {
     /// The struct with what reads, writes and describes it. A table without a required key has a `Default`.
     fn declared(&self) -> TokenStream {
         let Self { attributes, visibility, name, keys } = self;
-        let defaults: Vec<_> = keys.iter().map(Key::default).collect();
-        let is_optional = defaults.iter().all(Option::is_some);
-        let fields = keys.iter().zip(&defaults).map(|(key, default)| {
+        let (mut fields, mut functions, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        for key in keys {
             let Key { attributes, visibility, name: field, of, .. } = key;
+            let function = format_ident!("default_{field}");
+            let fallback = key.default().map(|default| {
+                functions.push(quote!(fn #function() -> #of { #default }));
+                values.push(quote!(#field: Self::#function()));
+                let path = format!("{name}::{function}");
+                quote!(#[serde(default = #path)])
+            });
             let is_sparse = key.default.as_ref().is_some_and(|own| is_word(own, "sparse"));
             let sparse = (is_sparse || is_option(of))
                 .then(|| quote!(#[serde(skip_serializing_if = "crate::schema::is_default")]));
-            let fallback = (!is_optional && default.is_some()).then(|| {
-                let path = format!("{name}::default_{field}");
-                quote!(#[serde(default = #path)])
-            });
-            quote!(#(#attributes)* #sparse #fallback #visibility #field: #of)
-        });
-        let fields: Vec<_> = fields.collect();
-        let names: Vec<_> = keys.iter().map(|key| &key.name).collect();
-        let rest = if is_optional {
+            fields.push(quote!(#(#attributes)* #sparse #fallback #visibility #field: #of));
+        }
+        let usual = (values.len() == fields.len()).then(|| {
             quote! {
                 impl ::core::default::Default for #name {
                     fn default() -> Self {
-                        Self { #(#names: #defaults),* }
+                        Self { #(#values),* }
                     }
                 }
             }
-        } else {
-            let functions = keys.iter().zip(&defaults).filter_map(|(key, default)| {
-                let (function, of) = (format_ident!("default_{}", key.name), &key.of);
-                Some((function, of, default.as_ref()?))
-            });
-            let functions =
-                functions.map(|(function, of, default)| quote!(fn #function() -> #of { #default }));
-            quote!(impl #name { #(#functions)* })
-        };
-        let container = is_optional.then(|| quote!(, default));
+        });
         quote! {
             #(#attributes)*
             #[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize, ::scenario::schema::Schema)]
-            #[serde(deny_unknown_fields #container)]
+            #[serde(deny_unknown_fields)]
             #visibility struct #name { #(#fields),* }
-            #rest
+
+            impl #name { #(#functions)* }
+            #usual
         }
     }
 }

@@ -164,11 +164,11 @@ pub(crate) fn place_of(
     let here = std::env::current_dir().unwrap_or_default();
     let own = own.map(|own| here.join(own));
     let is_file = |directory: &Path| {
-        let named = command
-            .iter()
-            .enumerate()
-            .filter(|(place, word)| !word.starts_with('-') && (*place > 0 || word.contains('/')));
-        named.into_iter().any(|(_, word)| directory.join(word).is_file())
+        let is_named = |(place, word): &(usize, &String)| {
+            !word.starts_with('-') && (*place > 0 || word.contains('/'))
+        };
+        let mut named = command.iter().enumerate().filter(is_named);
+        named.any(|(_, word)| directory.join(word).is_file())
     };
     Some(match (chosen, own) {
         (Some(chosen), own) => own.unwrap_or(here).join(chosen),

@@ -9,7 +9,6 @@ use crate::quantity::{
     Probability, Reach, Sigma, SigmaMultiple, Speed, Time, TimeConstant,
 };
 use crate::reading::refuse;
-use crate::schema::{Schema, Shape};
 
 /// Longest latency of the radar, in scans.
 pub const MAX_LATENCY_SCANS: u32 = 32;
@@ -204,10 +203,9 @@ impl Course {
     pub(crate) fn check(&self) -> Result<(), Problem> {
         let again = (1..self.sources.len())
             .find(|&index| self.sources[..index].contains(&self.sources[index]));
-        again.map_or(Ok(()), |index| {
-            let path = format!("perception.course.sources.{index}");
-            Err(Problem::new(path, "this source stands here twice", "each source once"))
-        })
+        refuse!(if let Some(index) = again, "perception.course.sources.{index}":
+            "this source stands here twice", "each source once");
+        Ok(())
     }
 }
 
@@ -246,17 +244,7 @@ pub enum Swerling {
     Case3 = 3,
 }
 
-const CASES: &str = "Swerling's case 0, 1 or 3";
-
-impl Schema for Swerling {
-    fn shape() -> Shape {
-        Shape::Number { is_whole: true, range: Some((0.0, 3.0)), unit: "" }
-    }
-
-    fn expected() -> Option<String> {
-        Some(CASES.to_owned())
-    }
-}
+pub(crate) const CASES: &str = "Swerling's case 0, 1 or 3";
 
 impl TryFrom<i64> for Swerling {
     type Error = String;

@@ -80,12 +80,6 @@ pub fn keys_of(kind: Kind) -> Vec<Key> {
     keys.into_iter().flatten().chain(schema::keys_of::<Begin>()).collect()
 }
 
-impl Schema for Fault {
-    fn shape() -> Shape {
-        Shape::Kinds(Kind::ALL.map(|kind| (kind.name().to_owned(), keys_of(kind))).into())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,8 +4,6 @@ use messages::{Role, TOPICS, Topic};
 use scenario_derive::tables;
 use serde::{Deserialize, Serialize};
 
-use crate::schema::{Schema, Shape};
-
 tables! {
     /// A figure that a `bias` can falsify.
     #[serde(rename_all = "snake_case")]
@@ -40,12 +38,6 @@ impl TopicName {
     /// Topics whose messages can be disturbed: those that a function of the vehicle reads.
     pub fn all() -> impl Iterator<Item = Topic> {
         TOPICS.into_iter().filter(|topic| topic.role() == Role::Function)
-    }
-}
-
-impl Schema for TopicName {
-    fn shape() -> Shape {
-        Shape::Text { words: Self::all().map(|topic| topic.name().to_owned()).collect() }
     }
 }
 

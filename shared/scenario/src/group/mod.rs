@@ -17,7 +17,7 @@ macro_rules! per_service {
         #[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
         #[serde(bound(deserialize = "T: Default + Deserialize<'de>"))]
         pub struct PerService<T> {
-            $($krate: T,)+
+            $(pub(crate) $krate: T,)+
         }
 
         impl<T> PerService<T> {
@@ -25,13 +25,6 @@ macro_rules! per_service {
             pub const fn of(&self, service: Service) -> &T {
                 match service {
                     $(Service::$service => &self.$krate,)+
-                }
-            }
-
-            /// Sets the value for `service`.
-            pub fn set(&mut self, service: Service, value: T) {
-                match service {
-                    $(Service::$service => self.$krate = value,)+
                 }
             }
         }

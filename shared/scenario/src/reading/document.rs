@@ -175,19 +175,16 @@ impl<'a> Document<'a> {
                 continue;
             }
             let Shown { text, path: places, value_start } = option.shown();
-            let at_key = common.checked_sub(1).and_then(|last| places.get(last).cloned());
-            let at_key = at_key.unwrap_or_default();
+            // An option that does not set the value made this table on its way.
+            let at_key = places[..common].last().cloned().unwrap_or_default();
+            let (mut steps, mut key, mut value) = (common, at_key.clone(), at_key);
             if let (Some(below), Ok(set)) = (below, spanned(&text[value_start..])) {
                 let shifted = |span: Range<usize>| span.start + value_start..span.end + value_start;
-                let (steps, key, value) = follow(&set, below);
-                let (key, value) = (key.map_or(at_key, shifted), shifted(value));
-                let steps = common + steps;
-                found = Place { option: Some(text), steps, key: Some(key), value };
-            } else if common > found.steps {
-                // The option made this table on its way.
-                let (key, value) = (Some(at_key.clone()), at_key);
-                found = Place { option: Some(text), steps: common, key, value };
+                let (further, last, inside) = follow(&set, below);
+                steps += further;
+                (key, value) = (last.map_or(key, shifted), shifted(inside));
             }
+            found = Place { option: Some(text), steps, key: Some(key), value };
         }
         found
     }

@@ -79,10 +79,9 @@ fn load_record(
         file => file,
     })?;
     record.expect_whole()?;
-    actor.leaves_at_s = match (actor.leaves_at_s, record.leaves_at_s) {
-        (Some(own), Some(of_record)) if of_record < own => Some(of_record),
-        (own, of_record) => own.or(of_record),
-    };
+    let leaves = [actor.leaves_at_s, record.leaves_at_s].into_iter().flatten();
+    actor.leaves_at_s =
+        leaves.reduce(|own, of_record| if of_record < own { of_record } else { own });
     let about = |note| format!("actor {}, {}: {note}", actor.name.as_str(), path.display());
     let notes = record.notes().into_iter().map(about).collect();
     csv.points = record.points;

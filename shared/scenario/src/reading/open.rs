@@ -115,7 +115,8 @@ impl Scenario {
         let is_taken_effect = matches!(place, Place::TakenEffect);
         scenario.perception.unite(|path| document.has(path) && !is_taken_effect)?;
         scenario.follow_other_keys(is_written);
-        let directory = place.directory();
+        // Paths in a built-in scenario and in a run's begin nowhere.
+        let directory = if let Place::In(directory) = place { Some(directory) } else { None };
         scenario.controller.place_command(directory);
         scenario.laws.values_mut().for_each(|law| law.place_command(directory));
         scenario.plant.place_unit(directory);
@@ -276,14 +277,4 @@ pub(crate) enum Place<'a> {
     In(&'a Path),
     /// A run: all keys as they took effect.
     TakenEffect,
-}
-
-impl<'a> Place<'a> {
-    /// The directory at which paths in it begin.
-    fn directory(self) -> Option<&'a Path> {
-        match self {
-            Self::In(directory) => Some(directory),
-            Self::BuiltIn(_) | Self::TakenEffect => None,
-        }
-    }
 }

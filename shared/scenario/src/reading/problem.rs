@@ -28,11 +28,8 @@ impl Problem {
 
     /// A file of a scenario that is not a file itself.
     pub(crate) fn unread(path: &str, expected: &str) -> Self {
-        Self::new(
-            path,
-            "the file has not been read, for this scenario is not a file itself",
-            expected,
-        )
+        let message = "the file has not been read, for this scenario is not a file itself";
+        Self::new(path, message, expected)
     }
 
     /// A way that is not a road.

@@ -1,6 +1,10 @@
-//! The form of types that are declared elsewhere.
+//! The form of types that are no tables.
 
 use super::{Schema, Shape, Variant};
+use crate::faults::{Fault, Kind, TopicName, keys_of};
+use crate::perception::{CASES, Swerling};
+use crate::radio::{RADIOS, Radio};
+use crate::storyboard::Storyboard;
 use messages::Service;
 use openscenario::model::action::Shape as Course;
 use openscenario::road::Driven;
@@ -9,12 +13,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 macro_rules! shapes {
-    ($($(#[doc = $about:literal])* $type:ty: $shape:expr;)+) => {$(
+    ($($(#[doc = $about:literal])* $type:ty: $shape:expr $(, $expected:expr)?;)+) => {$(
         $(#[doc = $about])*
         impl Schema for $type {
             fn shape() -> Shape {
                 $shape
             }
+
+            $(fn expected() -> Option<String> {
+                Some($expected.to_owned())
+            })?
         }
     )+};
 }
@@ -44,6 +52,16 @@ shapes! {
         let words = all.map(|service| service.name().to_owned()).collect();
         Shape::List(Box::new(Shape::Text { words }))
     };
+    /// A translation fills it.
+    Storyboard: Shape::Free;
+    TopicName: {
+        Shape::Text { words: Self::all().map(|topic| topic.name().to_owned()).collect() }
+    };
+    Fault: {
+        Shape::Kinds(Kind::ALL.map(|kind| (kind.name().to_owned(), keys_of(kind))).into())
+    };
+    Radio: String::shape(), RADIOS;
+    Swerling: Shape::Number { is_whole: true, range: Some((0.0, 3.0)), unit: "" }, CASES;
     Course: {
         let all = [Self::Linear, Self::Cubic, Self::Sinusoidal, Self::Step];
         let names = all.map(|course| toml::Value::try_from(course).expect("a word"));

@@ -9,7 +9,6 @@ use crate::quantity::{
     DelayMs, DriftPpm, Duration, Heading, IntersectionId, Latitude, Longitude, MapShift, OffsetMs,
     Probability, Shift, StationId, Time,
 };
-use crate::schema::{Schema, Shape};
 
 /// UTC of run time 0 in simulated time, ns since 1970: noon of 2026-06-01.
 pub const SIMULATED_START_NS: i64 = 1_780_315_200_000_000_000;
@@ -27,18 +26,8 @@ pub enum Radio {
     Carrier(CarrierAddress),
 }
 
-const RADIOS: &str =
+pub(crate) const RADIOS: &str =
     "one of direct, frames, udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5, pcap:FILE";
-
-impl Schema for Radio {
-    fn shape() -> Shape {
-        String::shape()
-    }
-
-    fn expected() -> Option<String> {
-        Some(RADIOS.to_owned())
-    }
-}
 
 impl Radio {
     /// True for structs.

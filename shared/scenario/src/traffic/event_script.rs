@@ -101,7 +101,10 @@ fn story(scenario: &Scenario, index: usize, actor: &Actor) -> Story {
             actions.push(NamedAction { name: "lateral".to_owned(), action });
         }
         Event {
-            name: event_name(event, number),
+            name: match &event.name {
+                Some(name) => name.as_str().to_owned(),
+                None => format!("event {}", number + 1),
+            },
             priority: Priority::Parallel,
             executions: 1,
             start: Some(Trigger(vec![vec![condition(scenario, own, event)]])),
@@ -117,11 +120,6 @@ fn story(scenario: &Scenario, index: usize, actor: &Actor) -> Story {
     };
     let act = Act { name: "run".to_owned(), start: None, stop: None, groups: vec![group] };
     Story { name: actor.name.as_str().to_owned(), acts: vec![act] }
-}
-
-fn event_name(event: &ActorEvent, number: usize) -> String {
-    let given = event.name.as_ref().map(|name| name.as_str().to_owned());
-    given.unwrap_or_else(|| format!("event {}", number + 1))
 }
 
 fn condition(scenario: &Scenario, own: usize, event: &ActorEvent) -> Condition {

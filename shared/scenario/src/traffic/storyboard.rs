@@ -8,8 +8,6 @@ use std::collections::BTreeMap;
 use openscenario::model::Script;
 use serde::{Deserialize, Serialize};
 
-use crate::schema::{Schema, Shape};
-
 /// A storyboard with where it comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,11 +24,4 @@ pub struct Storyboard {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, String>,
     pub script: Script,
-}
-
-impl Schema for Storyboard {
-    /// A translation fills it.
-    fn shape() -> Shape {
-        Shape::Free
-    }
 }

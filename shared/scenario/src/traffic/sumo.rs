@@ -14,7 +14,6 @@ use std::path::Path;
 
 pub use sumo::Route;
 
-use messages::Service;
 use scenario_derive::tables;
 use std::path::PathBuf;
 
@@ -139,7 +138,7 @@ fn follow(
     }
     // The traffic ends with the process that has the connection to SUMO.
     if !is_written("supervision.services.perception-sim") {
-        scenario.supervision.services.set(Service::PerceptionSim, Some(Restart::Never));
+        scenario.supervision.services.perception_sim = Some(Restart::Never);
     }
     Ok(())
 }

@@ -32,11 +32,8 @@ impl OpendriveRoad {
     pub(crate) fn read(&self, path: &Path, text: &str) -> Result<DrivenLane, Problem> {
         let place = self.s_m.value();
         driven_lane(path, text, &self.road, self.lane.value(), place).map_err(|error| {
-            Problem::new(
-                "road.plan.opendrive",
-                error.to_string(),
-                "an OpenDRIVE file with a lane that can be driven",
-            )
+            let expected = "an OpenDRIVE file with a lane that can be driven";
+            Problem::new("road.plan.opendrive", error.to_string(), expected)
         })
     }
 

@@ -49,13 +49,6 @@ const EXPECTED: &str = "t=NAME with one of v=NAME, s=NAME, x=NAME and y=NAME, la
     a unit behind a colon, as in v=speed:km/h";
 
 impl Columns {
-    /// The columns that a table without the key `columns` has.
-    pub(super) fn usual() -> Self {
-        let column = |name: &str| Column { name: name.into(), factor: 1.0 };
-        let (time, speed) = (column("time_s"), column("speed_mps"));
-        Self { time: Some(time), motion: Motion::Speed, of_motion: vec![speed] }
-    }
-
     /// Parses the key. Only a bag's time has a default.
     pub(super) fn parse(text: &str, is_bag: bool) -> Result<Self, Problem> {
         let mut found: [Option<Column>; LETTERS.len()] = Default::default();

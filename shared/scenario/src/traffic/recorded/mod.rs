@@ -30,6 +30,8 @@ use std::path::Path;
 
 /// Longest text of a recorded motion, bytes.
 const MAX_RECORD_BYTES: usize = 64 << 20;
+/// Columns of a table without the key `columns`.
+const USUAL: &str = "t=time_s, v=speed_mps";
 /// Most rows of a record.
 pub const MAX_ROWS: usize = 500_000;
 /// Acceleration beyond which a record is noted, m/s². A car in traffic brakes with less. 6 m/s² is full braking on a
@@ -112,10 +114,7 @@ pub fn read_text(source: &str, text: &str, keys: &CsvFile) -> Result<Record, Ref
         let message = format!("{source} is not a bag and has no topics");
         return Err(Problem::new("topic", message, "an MCAP file").into());
     }
-    let columns = match &keys.columns {
-        Some(text) => Columns::parse(text, false)?,
-        None => Columns::usual(),
-    };
+    let columns = Columns::parse(keys.columns.as_deref().unwrap_or(USUAL), false)?;
     record(&Source::lines(source, text, keys, &columns)?, keys, &columns)
 }
 
@@ -127,7 +126,8 @@ fn record(source: &Source<'_>, keys: &CsvFile, columns: &Columns) -> Result<Reco
     let t = times(source, columns, keys.offset_s.map(|offset| offset.value()))?;
     let half_s = keys.smooth_s.map(|half| half.value());
     let v = speeds(source, columns, &t, half_s)?;
-    let steps = steps(&t);
+    let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
     let median_step_s = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
     let gaps = gaps(&t, longest_step_s(&steps, keys));
     let refusal = gaps.first().map(|(row, gap)| {
@@ -229,14 +229,7 @@ fn speeds(
     Ok(speeds)
 }
 
-/// Steps between the rows, shortest first.
-fn steps(t: &[f64]) -> Vec<f64> {
-    let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    steps
-}
-
-/// Longest step that is not a gap, s.
+/// Longest step that is not a gap, s. The `steps` are sorted.
 fn longest_step_s(steps: &[f64], keys: &CsvFile) -> f64 {
     if let Some(longest) = keys.max_gap_s {
         return longest.value();
