@@ -80,7 +80,6 @@ pub(crate) struct Constraint {
 elements! { "Parameters and catalogs";
     /// parameters of the file, of a catalog entry or of a part of the storyboard
     ParameterDeclarations -> Vec<Declaration> [] {declarations: Vec<ParameterDeclaration>}
-    { Ok(declarations) }
 
     /// the value is a literal, `$name` or `${expression}`; `--param` and variations set it
     ParameterDeclaration -> Declaration
@@ -90,7 +89,6 @@ elements! { "Parameters and catalogs";
 
     /// holds when all its constraints hold; one of several groups must hold
     ConstraintGroup -> Vec<Constraint> [] {constraints: AtLeastOne<ValueConstraint>}
-    { Ok(constraints) }
 
     /// compares numbers, dates or truth values by the parameter's type, else numbers where both are numbers, or texts
     ValueConstraint -> Constraint ["rule" rule: Later<Rule>, "value" value: Later<Literal>] {}
@@ -98,7 +96,6 @@ elements! { "Parameters and catalogs";
 
     /// values for the entry's parameters
     ParameterAssignments -> Vec<Assignment> [] {assignments: Vec<ParameterAssignment>}
-    { Ok(assignments) }
 
     /// a parameter's name, with `$` or without, and its value
     ParameterAssignment -> Assignment ["parameterRef" name: Later<Text>, "value" value: Text] {}

@@ -13,6 +13,8 @@
 //! }
 //! ```
 //!
+//! Without a value it is that of the only variable, or `()` without one.
+//!
 //! Types give the number of occurrences: `T` once, `Option<T>` at most once, `Vec<T>` any number,
 //! [`AtLeastOne<T>`](AtLeastOne). [`OneOf<(A, B)>`](OneOf) is a choice. [`check`] holds a file against these
 //! declarations; then the readers find what they ask for, and report an error otherwise.
@@ -65,7 +67,7 @@ macro_rules! elements {
         [$($attribute:literal $given:tt : $kind:ty $(as $unit:literal)?),* $(,)?]
         {$($child:tt : $content:ty),* $(,)?}
         $(unused [$($unused:literal)*])?
-        $(|$node:ident|)? $body:block
+        $(|$node:ident|)? $($body:block)?
     )*) => {$(
         $(#[doc = $effect])+
         pub(crate) struct $name;
@@ -92,7 +94,7 @@ macro_rules! elements {
                 $(let $child = <$content as $crate::declare::Content>::read_inside(node)?;)*
                 $(let $node = node;)?
                 let _ = node;
-                $body
+                $crate::declare::elements!(@value [$($given)* $($child)*] $($body)?)
             }
         }
 
@@ -114,6 +116,9 @@ macro_rules! elements {
             }
         )*
     )*};
+    (@value [$(_)*]) => { Ok(()) };
+    (@value [$(_)* $only:ident $(_)*]) => { Ok($only) };
+    (@value [$($variable:tt)*] $body:block) => { $body };
     (@first $given:literal ($default:expr)) => { $given };
     (@first ($default:expr)) => { $default };
 }

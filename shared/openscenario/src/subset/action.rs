@@ -30,7 +30,7 @@ elements! { "Actions";
             SynchronizeAction,
             AppearanceAction,
         )>,
-    } { Ok(action) }
+    }
 
     /// the entity is there at once
     TeleportAction -> Action [] {position: Position} { Ok(Action::Teleport(position)) }
@@ -45,7 +45,7 @@ elements! { "Actions";
             EnvironmentAction,
             InfrastructureAction,
         )>,
-    } { Ok(action) }
+    }
 
     /// not for the ego
     EntityAction -> Action ["entityRef" entity: EntityName]
@@ -80,10 +80,10 @@ elements! { "Actions";
     SetAction -> Change ["value" value: Literal] {} { Ok(Change::To(value)) }
 
     /// numbers only
-    ModifyAction -> Change [] {change: ModifyRule} { Ok(change) }
+    ModifyAction -> Change [] {change: ModifyRule}
 
     /// how it is modified
-    ModifyRule = "Rule" -> Change [] {change: OneOf<(AddValue, MultiplyByValue)>} { Ok(change) }
+    ModifyRule = "Rule" -> Change [] {change: OneOf<(AddValue, MultiplyByValue)>}
 
     /// added
     AddValue -> Change ["value" value: Number] {} { Ok(Change::Add(value)) }

@@ -29,7 +29,7 @@ elements! { "Parameters and catalogs";
         _: Option<ManeuverCatalog>,
         _: Option<EnvironmentCatalog>,
         _: Option<RouteCatalog>,
-    } { Ok(()) }
+    }
 
     /// searched for entries of its kind
     VehicleCatalog | PedestrianCatalog | MiscObjectCatalog | ControllerCatalog | TrajectoryCatalog

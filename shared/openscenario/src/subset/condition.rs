@@ -40,7 +40,7 @@ elements! { "Conditions";
             TrafficSignalCondition,
             TrafficSignalControllerCondition,
         )>,
-    } { Ok(test) }
+    }
 
     /// compares numbers where both values are numbers, texts otherwise; left out with an empty reference, and as a criterion of CARLA (`criteria_...`) that no parameter has
     ParameterCondition -> Option<Test>

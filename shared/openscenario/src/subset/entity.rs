@@ -88,7 +88,7 @@ elements! { "Entities";
     Members -> Vec<usize> [] {members: AtLeastOne<EntityRef>} { Ok(members.concat()) }
 
     /// a reference by name
-    EntityRef -> Vec<usize> ["entityRef" entities: EntityNames] {} { Ok(entities) }
+    EntityRef -> Vec<usize> ["entityRef" entities: EntityNames] {}
 
     /// marks the ego, unless it is empty
     ObjectController -> bool [] {
@@ -115,7 +115,7 @@ elements! { "Entities";
     |node| { Ok((Category::Vehicle, sized(node, body, 4.5, 1.8))) }
 
     /// no trailer is pulled: with an empty reference only
-    Trailer -> () [] {_: TrailerRef} { Ok(()) }
+    Trailer -> () [] {_: TrailerRef}
 
     /// see `Trailer`
     TrailerRef -> () ["entityRef" name: Text] {}

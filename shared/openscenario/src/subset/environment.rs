@@ -18,7 +18,7 @@ elements! { "Actions";
         _: Option<TimeOfDay>,
         _: Option<Weather>,
         _: Option<RoadCondition>,
-    } unused ["name"] { Ok(()) }
+    } unused ["name"]
 
     /// a friction factor of 1 only
     RoadCondition -> () ["frictionScaleFactor" factor: Number] {_: Option<Properties>}
@@ -50,7 +50,6 @@ elements! { "Actions";
     AssignControllerAction -> () []
     {_: OneOf<(Controller, ObjectController, FromCatalog<Controller>)>}
     unused ["activateLateral?" "activateLongitudinal?" "activateAnimation?" "activateLighting?"]
-    { Ok(()) }
 
     /// overrides nothing: active="false" only
     OverrideControllerValueAction -> () [] {
@@ -60,7 +59,7 @@ elements! { "Actions";
         _: Option<ParkingBrake>,
         _: Option<SteeringWheel>,
         _: Option<Gear>,
-    } { Ok(()) }
+    }
 
     /// see `OverrideControllerValueAction`
     Throttle | Brake | Clutch | ParkingBrake | SteeringWheel | Gear -> () ["active" active: Truth] {}

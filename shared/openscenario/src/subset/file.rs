@@ -37,7 +37,7 @@ elements! { "File";
     }
 
     /// a catalog
-    CatalogFile = "OpenSCENARIO" -> () [] {_: FileHeader, _: Catalog} { Ok(()) }
+    CatalogFile = "OpenSCENARIO" -> () [] {_: FileHeader, _: Catalog}
 
     /// version 1.0 to 1.3; the description becomes the scenario's
     FileHeader -> String
@@ -84,5 +84,5 @@ elements! { "Parameters and catalogs";
         _: Vec<Trajectory>,
         _: Vec<Maneuver>,
         _: Vec<Environment>,
-    } { Ok(()) }
+    }
 }

@@ -7,7 +7,7 @@ use crate::model::action::{Action, LaneTarget, OffsetTarget, Shape};
 
 elements! { "Actions";
     /// replaces the lateral action that is running
-    LateralAction -> Action [] {action: OneOf<(LaneChangeAction, LaneOffsetAction)>} { Ok(action) }
+    LateralAction -> Action [] {action: OneOf<(LaneChangeAction, LaneOffsetAction)>}
 
     /// lateral position follows the shape to the lane's centre
     LaneChangeAction -> Action ["targetLaneOffset" offset_m: Option<Number> as "m"]
@@ -16,7 +16,6 @@ elements! { "Actions";
 
     /// the lane at the end
     LaneChangeTarget -> LaneTarget [] {target: OneOf<(AbsoluteTargetLane, RelativeTargetLane)>}
-    { Ok(target) }
 
     /// a lane's id
     AbsoluteTargetLane -> LaneTarget ["value" id: Whole] {}
@@ -60,7 +59,6 @@ elements! { "Actions";
     /// the offset at the end
     LaneOffsetTarget -> OffsetTarget []
     {target: OneOf<(AbsoluteTargetLaneOffset, RelativeTargetLaneOffset)>}
-    { Ok(target) }
 
     /// from the centre of the entity's present lane, positive to the left of the reference line
     AbsoluteTargetLaneOffset -> OffsetTarget ["value" offset_m: Number as "m"] {}

@@ -22,7 +22,6 @@ elements! { "Actions";
     /// replaces the longitudinal action that is running
     LongitudinalAction -> Action []
     {action: OneOf<(SpeedAction, LongitudinalDistanceAction, SpeedProfileAction)>}
-    { Ok(action) }
 
     /// speed follows the shape to its target
     SpeedAction -> Action [] {transition: SpeedActionDynamics, target: SpeedActionTarget}
@@ -51,7 +50,6 @@ elements! { "Actions";
     /// the speed at the end
     SpeedActionTarget -> SpeedTarget []
     {target: OneOf<(AbsoluteTargetSpeed, RelativeTargetSpeed)>}
-    { Ok(target) }
 
     /// a speed
     AbsoluteTargetSpeed -> SpeedTarget ["value" mps: AtLeastZero as "m/s"] {}

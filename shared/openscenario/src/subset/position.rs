@@ -48,7 +48,7 @@ elements! { "Positions";
             LanePosition,
             RelativeLanePosition,
         )>,
-    } { Ok(position) }
+    }
 
     /// the point of the road nearest to it, which is the nearest road of the file if no position has named one; a missing h is along the reference line
     WorldPosition -> position::Position

@@ -13,12 +13,11 @@ use crate::scene::Scene;
 
 elements! { "Actions";
     /// an action on traffic signals
-    InfrastructureAction -> Action [] {action: TrafficSignalAction} { Ok(action) }
+    InfrastructureAction -> Action [] {action: TrafficSignalAction}
 
     /// an action on a traffic signal
     TrafficSignalAction -> Action []
     {action: OneOf<(TrafficSignalStateAction, TrafficSignalControllerAction)>}
-    { Ok(action) }
 
     /// the state that `TrafficSignalCondition` compares; neither the ego nor others see the signal
     TrafficSignalStateAction -> Action ["name" name: Text, "state" state: Text] {}
@@ -39,7 +38,7 @@ elements! { "Actions";
 
 elements! { "File";
     /// controllers of traffic signals
-    TrafficSignals -> () [] {_: Vec<TrafficSignalController>} { Ok(()) }
+    TrafficSignals -> () [] {_: Vec<TrafficSignalController>}
 
     /// its phases come one after the other, without end; with a reference it begins the delay after that controller, which comes before it in the file
     TrafficSignalController -> ()
@@ -78,7 +77,7 @@ elements! { "File";
     |node| { Ok((value_of(node, &named(&signal)), state)) }
 
     /// without effect: a group has no signals of its own
-    TrafficSignalGroupState -> () [] {} unused ["state"] { Ok(()) }
+    TrafficSignalGroupState -> () [] {} unused ["state"]
 }
 
 scalars! {

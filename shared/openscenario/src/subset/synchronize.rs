@@ -27,7 +27,6 @@ elements! { "Actions";
 
     /// the speed at the target; without one it is free
     FinalSpeed -> timed::FinalSpeed [] {speed: OneOf<(AbsoluteSpeed, RelativeSpeedToMaster)>}
-    { Ok(speed) }
 
     /// a speed
     AbsoluteSpeed -> timed::FinalSpeed ["value" mps: AtLeastZero as "m/s"]

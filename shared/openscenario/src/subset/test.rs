@@ -51,7 +51,7 @@ elements! { "Conditions";
             DistanceCondition,
             RelativeDistanceCondition,
         )>,
-    } { Ok(test) }
+    }
 
     /// at the road's end for that long
     EndOfRoadCondition -> EntityTest ["duration" duration_s: AtLeastZero as "s"] {}
@@ -100,7 +100,6 @@ elements! { "Conditions";
 
     /// to what
     TimeToCollisionConditionTarget -> Target [] {target: OneOf<(TargetEntity, TargetPosition)>}
-    { Ok(target) }
 
     /// a reference by name
     TargetEntity = "EntityRef" -> Target ["entityRef" entity: EntityName] {}

@@ -17,7 +17,6 @@ elements! { "Actions";
     /// a trajectory replaces both the longitudinal and the lateral action
     RoutingAction -> Action []
     {action: OneOf<(FollowTrajectoryAction, AssignRouteAction, AcquirePositionAction)>}
-    { Ok(action) }
 
     /// the entity moves along the trajectory, then goes straight on with its last speed
     FollowTrajectoryAction -> Action ["initialDistanceOffset" offset_m: Option<AtLeastZero> as "m"] {
@@ -40,7 +39,6 @@ elements! { "Actions";
     /// the trajectory
     TrajectoryRef -> Vec<Corner> []
     {vertices: OneOf<(Scoped<Trajectory>, FromCatalog<Trajectory>)>}
-    { Ok(vertices) }
 
     /// closed="false" only
     Trajectory -> Vec<Corner> ["closed" closed: Truth]
@@ -54,7 +52,7 @@ elements! { "Actions";
     }
 
     /// clothoids and NURBS are refused
-    TrajectoryShape = "Shape" -> Vec<Corner> [] {vertices: Polyline} { Ok(vertices) }
+    TrajectoryShape = "Shape" -> Vec<Corner> [] {vertices: Polyline}
 
     /// straight pieces between two or more vertices
     Polyline -> Vec<Corner> [] {vertices: AtLeastOne<Vertex>}
@@ -70,7 +68,7 @@ elements! { "Actions";
     { Ok(Corner { time_s: time_s.unwrap_or(0.0), position }) }
 
     /// with timing the vertices' times set the speed, without it the entity keeps its own
-    TimeReference -> Option<action::Timing> [] {timing: OneOf<(Untimed, Timing)>} { Ok(timing) }
+    TimeReference -> Option<action::Timing> [] {timing: OneOf<(Untimed, Timing)>}
 
     /// no timing
     Untimed = "None" -> Option<action::Timing> [] {} { Ok(None) }
@@ -82,5 +80,5 @@ elements! { "Actions";
     { Ok(Some(action::Timing { absolute, scale, offset_s })) }
 
     /// follow and position do the same
-    TrajectoryFollowingMode -> () ["followingMode" _: FollowingMode] {} { Ok(()) }
+    TrajectoryFollowingMode -> () ["followingMode" _: FollowingMode] {}
 }

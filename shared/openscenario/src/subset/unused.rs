@@ -7,7 +7,6 @@ elements! { "Read, without effect";
     /// read, without effect; its content is not checked
     License | SceneGraphFile | Properties | Property | Performance | Axles | TrailerHitch | TrailerCoupler | TimeOfDay
         | Weather | CustomCommandAction | LightStateAction | AnimationAction -> () [] {} unused ["*"]
-    { Ok(()) }
 }
 
 elements! { "Actions";

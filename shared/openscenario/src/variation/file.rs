@@ -51,7 +51,7 @@ elements! { "Parameter variation";
     { Ok((scenario, varied)) }
 
     /// relative to the variation file
-    ScenarioPath = "ScenarioFile" -> String ["filepath" path: Text] {} { Ok(path) }
+    ScenarioPath = "ScenarioFile" -> String ["filepath" path: Text] {}
 
     /// all combinations; the last one listed varies fastest; combinations that break a constraint are left out and counted
     Deterministic -> Varied [] {
@@ -71,7 +71,7 @@ elements! { "Parameter variation";
     }
 
     /// values of several parameters together
-    DeterministicMultiParameterDistribution -> Sets [] {sets: ValueSetDistribution} { Ok(sets) }
+    DeterministicMultiParameterDistribution -> Sets [] {sets: ValueSetDistribution}
 
     /// one set after the other
     ValueSetDistribution -> Sets [] {sets: AtLeastOne<ParameterValueSet>}
@@ -85,13 +85,12 @@ elements! { "Parameter variation";
     /// values that go together
     ParameterValueSet -> Vec<(Place, Assignment)> []
     {values: AtLeastOne<Placed<ParameterAssignment>>}
-    { Ok(values) }
 
     /// the values listed
-    DistributionSet -> Vec<String> [] {values: AtLeastOne<SetElement>} { Ok(values) }
+    DistributionSet -> Vec<String> [] {values: AtLeastOne<SetElement>}
 
     /// a value
-    SetElement = "Element" -> String ["value" value: Text] {} unused ["weight?"] { Ok(value) }
+    SetElement = "Element" -> String ["value" value: Text] {} unused ["weight?"]
 
     /// from the lower limit in steps up to the upper limit, which belongs to it
     DistributionRange -> Vec<String> ["stepWidth" step: Number] {range: Range}

@@ -148,14 +148,8 @@ impl World {
                 self.set_steer(actor, shape, duration_s <= 0.0, element);
             }
             Action::Trajectory(trajectory) => self.begin_path(actor, trajectory, element),
-            // A profile that depends on itself is done at once.
-            Action::Profile(_)
-            | Action::Set { .. }
-            | Action::Add { .. }
-            | Action::Delete { .. }
-            | Action::Cycle(_)
-            | Action::Phase { .. }
-            | Action::Nothing => {}
+            // A profile that depends on itself is done at once, and so are the world's actions.
+            _ => {}
         }
     }
 
