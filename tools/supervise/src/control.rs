@@ -4,7 +4,7 @@ pub use crate::events::Answer;
 
 use crate::MachineError;
 use crate::events::Event;
-use scenario::faults::Fault;
+use scenario::faults::{self, Fault};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
@@ -46,7 +46,8 @@ fn ask(mut client: UnixStream, events: &Sender<Event>) -> Option<std::io::Result
         // The end of the run knocks, so that this thread notices it.
         return events.send(Event::Knock).is_ok().then_some(Ok(()));
     }
-    let answer = match serde_json::from_str::<Fault>(&line) {
+    let keys = serde_json::from_str(&line).map_err(|e| e.to_string());
+    let answer = match keys.and_then(|keys| faults::read(keys).map_err(|e| e.to_string())) {
         Err(e) => Answer { ok: false, message: format!("not a fault: {e}") },
         Ok(fault) => {
             let (reply, replied) = channel();

@@ -34,6 +34,7 @@ use serde::{Deserialize, Serialize};
 /// Most faults in one scenario.
 pub const MAX_FAULTS: usize = 64;
 
+/// A fault whose keys were checked: [`read`] takes those from outside.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fault {
     #[serde(flatten)]
