@@ -62,14 +62,11 @@ impl Reads {
     /// Judges the keys that a document has below `[controller]`: what is to be noted of them.
     pub(super) fn judge(&self, document: &Document<'_>) -> Result<Vec<String>, Problem> {
         let Some(law) = &self.law else { return Ok(Vec::new()) };
+        let of_several = "a file for several laws runs with --controller";
         let refuse = |key: &str, path: String| {
             let expected = match self.idle.contains(key) {
                 true => "a key that this variant of the law reads".to_owned(),
-                false => {
-                    format!(
-                        "a key that `{law}` reads; a file for several laws runs with --controller"
-                    )
-                }
+                false => format!("a key that `{law}` reads; {of_several}"),
             };
             Problem::new(path, format!("{key} has no effect with the law `{law}`"), expected)
         };
