@@ -38,9 +38,9 @@ impl Setting {
             set_speed_mps: scenario.set_speed_mps.value(),
             speed_limit_mps: scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value()),
             raw_target,
-            clock_tolerance_s: match scenario.v2x.radio.is_direct() {
-                true => 0.0,
-                false => f64::from(scenario.v2x.obu.clock_tolerance_ms.value()) / 1e3,
+            clock_tolerance_s: match scenario.has_obu() {
+                true => f64::from(scenario.v2x.obu.clock_tolerance_ms.value()) / 1e3,
+                false => 0.0,
             },
         }
     }

@@ -96,22 +96,25 @@ impl Table {
     /// The struct with what reads, writes and describes it. A table without a required key has a `Default`.
     fn declared(&self) -> TokenStream {
         let Self { attributes, visibility, name, keys } = self;
+        let is_optional = keys.iter().all(|key| key.default().is_some());
         let (mut fields, mut functions, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for key in keys {
             let Key { attributes, visibility, name: field, of, .. } = key;
             let function = format_ident!("default_{field}");
-            let fallback = key.default().map(|default| {
+            let fallback = key.default().filter(|_| !is_optional).map(|default| {
                 functions.push(quote!(fn #function() -> #of { #default }));
-                values.push(quote!(#field: Self::#function()));
                 let path = format!("{name}::{function}");
                 quote!(#[serde(default = #path)])
             });
+            let default = key.default();
+            values.push(quote!(#field: #default));
             let is_sparse = key.default.as_ref().is_some_and(|own| is_word(own, "sparse"));
             let sparse = (is_sparse || is_option(of))
                 .then(|| quote!(#[serde(skip_serializing_if = "crate::schema::is_default")]));
             fields.push(quote!(#(#attributes)* #sparse #fallback #visibility #field: #of));
         }
-        let usual = (values.len() == fields.len()).then(|| {
+        let container = is_optional.then(|| quote!(, default));
+        let usual = is_optional.then(|| {
             quote! {
                 impl ::core::default::Default for #name {
                     fn default() -> Self {
@@ -123,7 +126,7 @@ impl Table {
         quote! {
             #(#attributes)*
             #[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize, ::scenario::schema::Schema)]
-            #[serde(deny_unknown_fields)]
+            #[serde(deny_unknown_fields #container)]
             #visibility struct #name { #(#fields),* }
 
             impl #name { #(#functions)* }

@@ -168,7 +168,7 @@ impl Scenario {
 
     /// True if signals come as frames, which an on-board unit decodes.
     pub fn has_obu(&self) -> bool {
-        !self.v2x.radio.is_direct()
+        self.v2x.radio != radio::Radio::Direct
     }
 
     /// The services that the scenario's group consists of.

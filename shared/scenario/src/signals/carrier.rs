@@ -30,11 +30,6 @@ pub enum CarrierAddress {
 }
 
 impl CarrierAddress {
-    /// True for UDP to a group, of which several vehicles can be members.
-    pub fn is_multicast(&self) -> bool {
-        matches!(self, Self::Udp { address, .. } if address.ip().is_multicast())
-    }
-
     /// Settles where its file is, if it has one: a relative path begins in `directory`.
     pub fn place(&mut self, directory: &Path) {
         match self {
@@ -130,9 +125,6 @@ mod tests {
             let address: CarrierAddress = text.parse().expect(text);
             assert_eq!(address.to_string(), text);
         }
-        let group: CarrierAddress = "udp://239.255.3.1:5520".parse().expect("a group");
-        let one: CarrierAddress = "udp://192.0.2.7:5520".parse().expect("one vehicle");
-        assert!(group.is_multicast() && !one.is_multicast());
     }
 
     #[test]

@@ -30,11 +30,6 @@ pub(crate) const RADIOS: &str =
     "one of direct, frames, udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5, pcap:FILE";
 
 impl Radio {
-    /// True for structs.
-    pub fn is_direct(&self) -> bool {
-        *self == Self::Direct
-    }
-
     /// Carrier of the frames that are not simulated in the run.
     pub fn carrier(&self) -> Option<&CarrierAddress> {
         match self {
