@@ -59,7 +59,7 @@ pub const MAX_TARGET_LOST_S: f64 = 0.0;
 /// Radii of the bends, m, and speeds before them, m/s. Since 2026-11-28. Chosen: from a street's corner to a motorway,
 /// the most braking and some of the least for each.
 pub const BENDS: [(u16, u16); 8] =
-    [(30, 15), (30, 40), (60, 25), (60, 33), (125, 25), (125, 40), (250, 33), (500, 40)];
+    [(30, 15), (30, 40), (60, 15), (60, 25), (125, 25), (125, 40), (250, 33), (500, 40)];
 /// Largest lateral acceleration in a bend that shows in time, as a share of the accepted one. Since 2026-11-28. Chosen:
 /// passengers do not feel a tenth more.
 pub const BEND_LATERAL_SHARE: f64 = 1.1;
