@@ -20,11 +20,8 @@
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and [`CLEAR_M`]. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
 //!
-//! An oncoming vehicle may reach the ego however early it stands. Braking for it begins when the contact would otherwise
-//! be harder.
-//!
-//! An object on a row that crosses the ego's way may stand beside a curve ahead. It neither warns nor brakes before the
-//! last point to steer ([`STEER_S`]): the road would have bent by then.
+//! Braking for an oncoming vehicle begins when the contact would otherwise be harder. An object on a row that crosses
+//! the ego's way neither warns nor brakes before the last point to steer ([`STEER_S`]).
 //!
 //! To brake for nothing costs something too: who follows may not stop in time. A contact is likely where the expected
 //! cost of not braking is the greater one:
@@ -35,9 +32,8 @@
 //! P > (c + f) / (2 c + f + Δv)             that is as bad as braking for nothing
 //! ```
 //!
-//! P is that with the ego's present acceleration. Cruise control and driver brake long
-//! before the last point, so that their braking keeps this system silent. Source of the order of warning and
-//! braking: UN R152, paragraphs 5.2.1 and 6.4.
+//! P is that with the ego's present acceleration. Cruise control and driver brake long before the last point, so that
+//! their braking keeps this system silent. Source of the order of warning and braking: UN R152, paragraphs 5.2.1, 6.4.
 
 use crate::filter::overlap;
 use crate::object::{HALF_WIDTH_M, Object};

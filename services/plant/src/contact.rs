@@ -63,12 +63,6 @@ impl Rectangle {
         };
         !apart(self, other) && !apart(other, self)
     }
-
-    /// Distance of the middles, m, squared.
-    fn distance2(&self, other: &Self) -> f64 {
-        let (x, y) = (other.x_m - self.x_m, other.y_m - self.y_m);
-        x * x + y * y
-    }
 }
 
 /// Speed, m/s, at which the ego's body meets another that it touches; `None` without contact. The others are moved on
@@ -90,7 +84,8 @@ pub fn closing_at_contact<'a>(
             Rectangle::of(pose).moved(sign * (v * moving_s + 0.5 * a * moving_s * moving_s));
         let (cosine, sine) = there.direction;
         let along_ego = cosine * ego.direction.0 + sine * ego.direction.1;
-        let near = there.distance2(ego) <= within_m * within_m;
+        let (x_m, y_m) = (ego.x_m - there.x_m, ego.y_m - there.y_m);
+        let near = x_m * x_m + y_m * y_m <= within_m * within_m;
         let closing_mps = speed_mps - sign * (v + a * moving_s) * along_ego;
         (near && ego.meets(&there)).then_some(closing_mps)
     });

@@ -3,6 +3,7 @@
 use scenario::Scenario;
 use scenario::event::VEHICLE_WIDTH_M;
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 
 use super::larger;
 use crate::numbers::Numbers;
@@ -29,9 +30,9 @@ pub(super) struct PlaneFigures {
     window_s: f64,
     /// Time between two samples of the window, s.
     spacing_s: f64,
-    /// Lateral accelerations of the last `window_s`, in a ring, m/s².
-    window: Vec<f64>,
-    taken: usize,
+    /// Lateral accelerations of the last `window_s`, m/s², up to this number.
+    window: VecDeque<f64>,
+    samples: usize,
     since_s: f64,
 }
 
@@ -49,8 +50,8 @@ impl PlaneFigures {
             outside_from_m: 0.5 * (lanes.width_m.value() - VEHICLE_WIDTH_M),
             window_s: samples as f64 * spacing_s,
             spacing_s,
-            window: vec![0.0; samples],
-            taken: 0,
+            window: VecDeque::with_capacity(samples),
+            samples,
             since_s: 0.0,
         })
     }
@@ -63,16 +64,16 @@ impl PlaneFigures {
         let outside_s = figures.outside_lane_s.unwrap_or(0.0);
         figures.outside_lane_s = Some(outside_s + if outside { period_s } else { 0.0 });
         self.since_s += period_s;
-        if self.taken > 0 && self.since_s < self.spacing_s - 1e-9 {
+        if !self.window.is_empty() && self.since_s < self.spacing_s - 1e-9 {
             return;
         }
         self.since_s = 0.0;
-        let place = self.taken % self.window.len();
-        if self.taken >= self.window.len() {
-            let jerk = (acceleration - self.window[place]) / self.window_s;
+        if self.window.len() == self.samples
+            && let Some(first) = self.window.pop_front()
+        {
+            let jerk = (acceleration - first) / self.window_s;
             larger(&mut figures.max_abs_lateral_jerk_mps3, jerk.abs());
         }
-        self.window[place] = acceleration;
-        self.taken += 1;
+        self.window.push_back(acceleration);
     }
 }
