@@ -87,12 +87,12 @@ where
                 text.push(',');
             }
             let Some(figure) = figure else { continue };
-            match digits.format(figure) {
-                // Very large, very small, or not finite.
-                shown if shown.contains(|c: char| c.is_ascii_alphabetic()) => {
-                    write!(text, "{figure}").expect("a string takes all");
-                }
-                shown => text.push_str(shown.strip_suffix(".0").unwrap_or(shown)),
+            if figure == 0.0 || (1e-4..1e15).contains(&figure.abs()) {
+                let shown = digits.format_finite(figure);
+                text.push_str(shown.strip_suffix(".0").unwrap_or(shown));
+            } else {
+                // Others may have an exponent there.
+                write!(text, "{figure}").expect("a string takes all");
             }
         }
         text.push('\n');
@@ -135,7 +135,7 @@ mod tests {
             csv_of_figures(["a", "b, c", "d\""], rows),
             "a,\"b, c\",\"d\"\"\"\n0.1,,-0.0000001\nNaN,3,1000000000000000000000\n"
         );
-        let figures = [-0.0, 1.5, f64::MAX, f64::MIN_POSITIVE, 1e15, 123_456_789.012_345_67, 0.3];
+        let figures = [-0.0, 1.5, f64::MAX, f64::MIN_POSITIVE, 1e-4, 999_999_999_999_999.9, 0.3];
         let shown = figures.map(|figure| figure.to_string()).join(",");
         assert_eq!(csv_of_figures(["a"], [figures.map(Some)]), format!("a\n{shown}\n"));
     }
