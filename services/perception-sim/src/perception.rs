@@ -20,14 +20,13 @@ use crate::radar::object_list::ObjectListRadar;
 use crate::radar::receiver::Received;
 use crate::radar::scene::{Ego, PlaneEgo, Scene};
 use crate::tracking::TrackList;
-use crate::tracking::course_filter::{MapAhead, Sources};
-use crate::tracking::course_numbers::CourseNumbers;
 use crate::tracking::detection_tracker::DetectionTracker;
 use crate::tracking::ego_speed::EgoSpeed;
 use crate::tracking::exact_tracker::ExactTracker;
 use crate::tracking::numbers::Numbers;
 use crate::tracking::object_tracker::ObjectTracker;
 use crate::tracking::road_ahead::RoadAhead;
+use crate::tracking::sources::{MapAhead, Sources};
 use crate::traffic::Traffic;
 use crate::vehicle::Vehicle;
 
@@ -115,22 +114,22 @@ impl Perception {
             known: Ego::default(),
         };
         match road {
-            Some(road) => perception.on_road(road, sources(scenario), &CourseNumbers::DEFAULT),
+            Some(road) => perception.on_road(road, sources(scenario)),
             None => perception,
         }
     }
 
     /// The same on a road in the plane, with a course from these sources.
     #[must_use]
-    pub fn on_road(mut self, road: Arc<Axis>, sources: Sources, numbers: &CourseNumbers) -> Self {
+    pub fn on_road(mut self, road: Arc<Axis>, sources: Sources) -> Self {
         self.road = Some(road);
         for scene in self.held.iter_mut().chain(&mut self.rooms) {
             *scene = Scene::with_room(self.traffic.vehicles().len(), true);
         }
         match &mut self.sensor {
             Sensor::Ideal(_) => {}
-            Sensor::ObjectList(both) => both.1.follow_course(sources, numbers),
-            Sensor::Detections(both) => both.1.follow_course(sources, numbers),
+            Sensor::ObjectList(both) => both.1.follow_course(sources),
+            Sensor::Detections(both) => both.1.follow_course(sources),
         }
         self
     }

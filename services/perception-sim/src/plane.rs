@@ -6,11 +6,11 @@ use messages::{Course, Curves, EgoPose, EgoTruth, Header, LateralMotion};
 use road::{Axis, Pose};
 use runtime::{Publisher, Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
-use scenario::perception::{CourseSource, RoadEstimate};
+use scenario::perception::CourseSource;
 
 use crate::radar::scene::{Ego, PlaneEgo};
-use crate::tracking::course_filter::{MapAhead, Sources};
 use crate::tracking::road_ahead::RoadAhead;
+use crate::tracking::sources::{MapAhead, Sources};
 
 /// Age beyond which a measurement of the yaw rate is not used, ns.
 const STALE_NS: i64 = 200_000_000;
@@ -43,7 +43,6 @@ pub(crate) fn sources(scenario: &Scenario) -> Sources {
         standing: uses(CourseSource::Standing),
         trails: uses(CourseSource::Trails),
         map: uses(CourseSource::Map),
-        as_belief: scenario.perception.course.road == RoadEstimate::Belief,
     }
 }
 

@@ -10,7 +10,7 @@ use perception_sim::perception::Perception;
 use perception_sim::radar::scene::{Ego, PlaneEgo};
 use perception_sim::random::Random;
 use perception_sim::tracking::TrackList;
-use perception_sim::tracking::course_filter::MapAhead;
+use perception_sim::tracking::sources::MapAhead;
 use road::{Axis, Pose};
 
 /// Period of the radar, ns.

@@ -2,9 +2,8 @@
 
 use messages::{Detection, MAX_DETECTIONS};
 use perception_sim::perception::Perception;
-use perception_sim::tracking::course_filter::Sources;
-use perception_sim::tracking::course_numbers::CourseNumbers;
 use perception_sim::tracking::numbers::Numbers;
+use perception_sim::tracking::sources::Sources;
 use road::Axis;
 use road::random::{Recipe, pieces};
 use scenario::Scenario;
@@ -35,7 +34,7 @@ struct Wrong {
 pub fn print(
     count: u64,
     kilometres: f64,
-    numbers: (&CourseNumbers, &Numbers),
+    numbers: &Numbers,
     rows: &[(&str, Sources)],
     detections: &mut [Detection; MAX_DETECTIONS],
 ) {
@@ -65,7 +64,7 @@ pub fn print(
 fn drive(
     recipe: &Recipe,
     sources: Sources,
-    (course, tracker): (&CourseNumbers, &Numbers),
+    numbers: &Numbers,
     (seed, speed_mps): (u64, f64),
     detections: &mut [Detection; MAX_DETECTIONS],
     wrong: &mut Wrong,
@@ -76,8 +75,7 @@ fn drive(
          [plant]\ninitial_speed_mps = {speed_mps}\n"
     );
     let scenario = Scenario::parse("empty", &text).unwrap_or_else(|error| panic!("{error}"));
-    let mut perception =
-        Perception::with(&scenario, tracker).on_road(Arc::clone(&road), sources, course);
+    let mut perception = Perception::with(&scenario, numbers).on_road(Arc::clone(&road), sources);
     let (mut was_wrong, mut way_m) = (false, 0.0);
     ego::drive(&mut perception, &road, (seed, speed_mps), &[], detections, |scan| {
         let is_wrong = scan.tracks.tracks().iter().any(|track| track.in_path);

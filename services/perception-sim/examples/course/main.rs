@@ -13,10 +13,10 @@
 //!
 //! A lead is lost while no track on it is in the path. A neighbour is taken while a track on it is in the path. Both
 //! count from 8 s on. "Unseen" is the share of time in which the lead has no track at all, so that no selection helps.
-//! `ROW` is a part of a row's name; a number is one of `CourseNumbers` or the tracker's `Numbers`. The third table is a
-//! straight road: what the radar's imperfections alone cost. `effects` halves and doubles each number of the course, or
-//! those of course and tracker that `NUMBERS` lists. `empty` drives roads without vehicles, by radius. `queues`
-//! compares filter, belief and an oracle before queues in curves.
+//! `ROW` is a part of a row's name; a number is one of the tracker's `Numbers`. The third table is a
+//! straight road: what the radar's imperfections alone cost. `effects` halves and doubles each number that `NUMBERS`
+//! lists. `empty` drives roads without vehicles, by radius. `queues` compares the belief with an oracle before queues in
+//! curves.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
@@ -25,9 +25,8 @@ use parameters::{Row, Table};
 use perception_sim::perception::Perception;
 use perception_sim::random::Random;
 use perception_sim::tracking::Track;
-use perception_sim::tracking::course_filter::Sources;
-use perception_sim::tracking::course_numbers::CourseNumbers;
 use perception_sim::tracking::numbers::Numbers;
+use perception_sim::tracking::sources::Sources;
 use road::random::{Recipe, pieces};
 use road::{Axis, Piece};
 use scenario::Scenario;
@@ -47,26 +46,11 @@ const NEAR_M: f64 = 6.0;
 
 /// A row: its name and the sources.
 const ROWS: [(&str, Sources); 5] = [
-    (
-        "straight",
-        Sources { yaw_rate: false, standing: false, trails: false, map: false, as_belief: false },
-    ),
-    (
-        "yaw rate",
-        Sources { yaw_rate: true, standing: false, trails: false, map: false, as_belief: false },
-    ),
-    (
-        "+ standing",
-        Sources { yaw_rate: true, standing: true, trails: false, map: false, as_belief: false },
-    ),
-    (
-        "+ trails",
-        Sources { yaw_rate: true, standing: true, trails: true, map: false, as_belief: false },
-    ),
-    (
-        "+ map",
-        Sources { yaw_rate: true, standing: true, trails: true, map: true, as_belief: false },
-    ),
+    ("straight", Sources { yaw_rate: false, standing: false, trails: false, map: false }),
+    ("yaw rate", Sources { yaw_rate: true, standing: false, trails: false, map: false }),
+    ("+ standing", Sources { yaw_rate: true, standing: true, trails: false, map: false }),
+    ("+ trails", Sources { yaw_rate: true, standing: true, trails: true, map: false }),
+    ("+ map", Sources { yaw_rate: true, standing: true, trails: true, map: true }),
 ];
 
 /// Radii, m, and speed, m/s. The last one is a straight road, for comparison.
@@ -163,15 +147,14 @@ fn owner(perception: &Perception, track: &Track) -> Option<usize> {
 fn drive(
     road: &Arc<Axis>,
     sources: Sources,
-    (course, tracker): (&CourseNumbers, &Numbers),
+    numbers: &Numbers,
     (seed, gap_m, speed_mps): (u64, f64, f64),
     detections: &mut [Detection; MAX_DETECTIONS],
     sums: &mut Sums,
 ) {
     let duration_s = (road.length_m() - 1.6 * gap_m - 200.0) / speed_mps;
     let scenario = scene(seed, gap_m, speed_mps, duration_s);
-    let mut perception =
-        Perception::with(&scenario, tracker).on_road(Arc::clone(road), sources, course);
+    let mut perception = Perception::with(&scenario, numbers).on_road(Arc::clone(road), sources);
     let cells: Vec<f64> = (0..(road.length_m() / CELL_M) as usize)
         .map(|cell| road.curvature_perm((cell as f64 + 0.5) * CELL_M))
         .collect();
@@ -234,7 +217,7 @@ impl Roads {
     fn drive(
         &self,
         sources: Sources,
-        numbers: (&CourseNumbers, &Numbers),
+        numbers: &Numbers,
         gap_m: f64,
         detections: &mut [Detection; MAX_DETECTIONS],
     ) -> Sums {
@@ -264,7 +247,7 @@ static FIGURES: [Figure; 5] = [
 ];
 
 fn figures(
-    numbers: (&CourseNumbers, &Numbers),
+    numbers: &Numbers,
     (count, kilometres): (u64, f64),
     detections: &mut [Detection; MAX_DETECTIONS],
 ) -> Vec<f64> {
@@ -290,28 +273,18 @@ fn figures(
     found
 }
 
-/// Prints the effect of each number that `names` lists, or of all numbers of the course.
-fn print_effects(course: CourseNumbers, tracker: Numbers, roads: (u64, f64), names: Option<&str>) {
+/// Prints the effect of each number that `names` lists.
+fn print_effects(numbers: Numbers, roads: (u64, f64), names: &str) {
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
-    let base = figures((&course, &tracker), roads, &mut detections);
+    let base = figures(&numbers, roads, &mut detections);
     for (figure, value) in FIGURES.iter().zip(&base) {
         println!("{}", figure.text(*value));
     }
-    let is_asked = |name: &str| names.is_some_and(|names| names.split(',').any(|n| n == name));
-    for (row, Row { name, .. }) in CourseNumbers::ROWS.iter().enumerate() {
-        if names.is_none() || is_asked(name) {
-            let tried = [0.5, 2.0].map(|factor| {
-                let course = course.scaled(row, factor);
-                (course.value(row), figures((&course, &tracker), roads, &mut detections))
-            });
-            println!("{}", line(name, &FIGURES, &base, &tried));
-        }
-    }
     for (row, Row { name, .. }) in Numbers::ROWS.iter().enumerate() {
-        if is_asked(name) {
+        if names.split(',').any(|asked| asked == *name) {
             let tried = [0.5, 2.0].map(|factor| {
-                let tracker = tracker.scaled(row, factor);
-                (tracker.value(row), figures((&course, &tracker), roads, &mut detections))
+                let numbers = numbers.scaled(row, factor);
+                (numbers.value(row), figures(&numbers, roads, &mut detections))
             });
             println!("{}", line(name, &FIGURES, &base, &tried));
         }
@@ -321,11 +294,10 @@ fn print_effects(course: CourseNumbers, tracker: Numbers, roads: (u64, f64), nam
 fn main() {
     let (changes, mut words): (Vec<String>, Vec<String>) =
         std::env::args().skip(1).partition(|word| word.contains('='));
-    let (mut course, mut tracker) = (CourseNumbers::DEFAULT, Numbers::DEFAULT);
+    let mut numbers = Numbers::DEFAULT;
     for change in &changes {
         let (name, value) = change.split_once('=').expect("it has one");
-        let is_known = set(&mut course, name, value) | set(&mut tracker, name, value);
-        assert!(is_known, "`{name}` is not a number of course or tracker");
+        assert!(set(&mut numbers, name, value), "`{name}` is not a number of the tracker");
     }
     if words.first().is_some_and(|word| word == "queues") {
         let number =
@@ -341,14 +313,12 @@ fn main() {
     let kilometres = words.get(1).map_or(5.0, |word| number(word));
     let only = words.get(2);
     if of_effects {
-        let names = only.map(String::as_str);
-        print_effects(course, tracker, (count, kilometres), names);
+        print_effects(numbers, (count, kilometres), only.map_or("", String::as_str));
         return;
     }
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
     if of_empty {
-        let numbers = (&course, &tracker);
-        empty::print(count, kilometres, numbers, &ROWS[1..4], &mut detections);
+        empty::print(count, kilometres, &numbers, &ROWS[1..4], &mut detections);
         return;
     }
     for kind in ROADS {
@@ -367,9 +337,7 @@ fn main() {
             }
             for gap_m in [40.0, 60.0, 80.0, 100.0] {
                 let roads = Roads { kind, count, kilometres };
-                roads
-                    .drive(sources, (&course, &tracker), gap_m, &mut detections)
-                    .print(name, gap_m);
+                roads.drive(sources, &numbers, gap_m, &mut detections).print(name, gap_m);
             }
         }
     }

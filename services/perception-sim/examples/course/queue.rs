@@ -9,8 +9,7 @@ use std::sync::Arc;
 use messages::{Detection, MAX_DETECTIONS};
 use perception_sim::perception::Perception;
 use perception_sim::random::Random;
-use perception_sim::tracking::course_filter::Sources;
-use perception_sim::tracking::course_numbers::CourseNumbers;
+use perception_sim::tracking::sources::Sources;
 use road::{Axis, Piece};
 use scenario::Scenario;
 
@@ -27,8 +26,7 @@ const SURE: f64 = 0.95;
 /// Gap down to which a decision may be taken back, m.
 const STAYS_M: f64 = 60.0;
 const LANE_M: f64 = 3.5;
-const SOURCES: Sources =
-    Sources { yaw_rate: true, standing: true, trails: true, map: false, as_belief: false };
+const SOURCES: Sources = Sources { yaw_rate: true, standing: true, trails: true, map: false };
 
 struct Scene {
     road: Arc<Axis>,
@@ -108,20 +106,14 @@ impl Seen {
     }
 }
 
-/// Drives a scene with the belief or the filter, and with an oracle of `roads` hypotheses beside it.
+/// Drives a scene, with an oracle of `roads` hypotheses beside it.
 fn drive(
     scene: &Scene,
-    as_belief: bool,
     roads: usize,
     seed: u64,
     detections: &mut [Detection; MAX_DETECTIONS],
 ) -> [Seen; 2] {
-    let sources = Sources { as_belief, ..SOURCES };
-    let mut perception = Perception::new(&scene.scenario).on_road(
-        Arc::clone(&scene.road),
-        sources,
-        &CourseNumbers::DEFAULT,
-    );
+    let mut perception = Perception::new(&scene.scenario).on_road(Arc::clone(&scene.road), SOURCES);
     let [mut ours, mut theirs] = [Seen::default(), Seen::default()];
     let (mut oracle, mut sight_s) = (None, None);
     ego::drive(&mut perception, &scene.road, (seed, scene.speed_mps), &[], detections, |scan| {
@@ -137,20 +129,11 @@ fn drive(
         let after = sight_s.map(|sight_s| (scan.time_s - sight_s, gap_m));
         if let Some(after) = after {
             let ahead = scan.perception.road_ahead().expect("a tracker");
-            let (d_m, sigma_m) = match ahead.belief() {
-                Some(belief) => belief.beside_m(rear),
-                None => {
-                    let there = ahead.course().locate(rear.0, rear.1);
-                    (there.d_m, ahead.sigma_m(there.sigma_m))
-                }
-            };
+            let belief = ahead.belief().expect("sources that look ahead");
+            let (d_m, sigma_m) = belief.beside_m(rear);
             ours.errors.push([gap_m, d_m - true_m, sigma_m]);
             let target = scan.tracks.target();
-            // A filter has no probabilities: what may be a target is possible.
-            let is_possible = match ahead.belief() {
-                Some(belief) => belief.in_way(rear, 0.2, 1.8) > 1.0 - SURE,
-                None => target.is_some(),
-            };
+            let is_possible = belief.in_way(rear, 0.2, 1.8) > 1.0 - SURE;
             ours.take(after, target.is_some(), is_possible);
             if let Some(target) = target {
                 let needed_mps2 = target.relative_speed_mps.powi(2) / (2.0 * target.gap_m.max(1.0));
@@ -174,14 +157,12 @@ fn drive(
 
 /// Prints the table of some scenes.
 pub fn print(count: u64, roads: usize, detections: &mut [Detection; MAX_DETECTIONS]) {
-    let mut all: [[Vec<Seen>; 2]; 3] = Default::default();
+    let mut all: [[Vec<Seen>; 2]; 2] = Default::default();
     let mut speeds_mps = Vec::new();
     for seed in 0..count {
         for (place, in_lane) in [true, false].into_iter().enumerate() {
             let scene = scene(seed, in_lane);
-            let [filter, _] = drive(&scene, false, 0, seed, detections);
-            let [belief, oracle] = drive(&scene, true, roads, seed, detections);
-            let seen = [filter, belief, oracle];
+            let seen = drive(&scene, roads, seed, detections);
             all.iter_mut().zip(seen).for_each(|(all, seen)| all[place].push(seen));
             if in_lane {
                 speeds_mps.push(scene.speed_mps);
@@ -189,12 +170,12 @@ pub fn print(count: u64, roads: usize, detections: &mut [Detection; MAX_DETECTIO
         }
     }
     println!("{count} queues in the lane of a curve, {count} beside it\n");
-    println!("| figure | the filter | the belief | an oracle of {roads} hypotheses |");
-    println!("| --- | --- | --- | --- |");
+    println!("| figure | the belief | an oracle of {roads} hypotheses |");
+    println!("| --- | --- | --- |");
     let columns = all.map(|[lane, beside]| column(&lane, &beside, &speeds_mps));
     for row in 0..columns[0].len() {
-        let [(name, filter), (_, belief), (_, oracle)] = columns.each_ref().map(|all| &all[row]);
-        println!("| {name} | {filter} | {belief} | {oracle} |");
+        let [(name, belief), (_, oracle)] = columns.each_ref().map(|all| &all[row]);
+        println!("| {name} | {belief} | {oracle} |");
     }
 }
 

@@ -16,8 +16,6 @@ use scenario::Scenario;
 
 use super::association::{Outline, Point, Reading, associate, part, spans};
 use super::birth;
-use super::course_filter::{MapAhead, Sources};
-use super::course_numbers::CourseNumbers;
 use super::entry::entry;
 use super::list::TrackList;
 use super::longitudinal::{Measured, Model};
@@ -29,6 +27,7 @@ use super::road_ahead::{Radar, RoadAhead};
 use super::road_edge::RoadEdge;
 use super::sight::Sight;
 use super::sighting::Sighting;
+use super::sources::{MapAhead, Sources};
 use super::track::{DetectedTrack, FieldOfView, Life};
 use super::unite::unite;
 use crate::radar::receiver::Receiver;
@@ -95,7 +94,7 @@ impl DetectionTracker {
             outlines: Vec::with_capacity(MAX_KEPT),
             spans: from_fn(|_| 0..0),
             edge: RoadEdge::default(),
-            ahead: RoadAhead::new(Sources::default(), &CourseNumbers::DEFAULT),
+            ahead: RoadAhead::new(Sources::default()),
             sight: Sight::new(
                 radar.threshold_db.value(),
                 radar.standing_objects_per_km.value(),
@@ -107,8 +106,8 @@ impl DetectionTracker {
     }
 
     /// From now on the path is the course that these sources show.
-    pub fn follow_course(&mut self, sources: Sources, numbers: &CourseNumbers) {
-        self.ahead = RoadAhead::new(sources, numbers);
+    pub fn follow_course(&mut self, sources: Sources) {
+        self.ahead = RoadAhead::new(sources);
     }
 
     /// Takes in the scan of `time_ns` and hands out the confirmed tracks. The course needs the yaw rate, rad/s, and the
@@ -365,11 +364,12 @@ impl DetectionTracker {
             let estimate = track.along.estimate();
             let path_sigma_m = self.ahead.path_sigma_m(estimate.gap_m);
             // A vehicle that follows the road crosses a course whose heading is off.
-            let crossing_mps = (ego_mps + estimate.relative_speed_mps)
-                * self.ahead.heading_sigma_rad(estimate.gap_m);
+            let ground_mps = ego_mps + estimate.relative_speed_mps;
+            let crossing_mps = ground_mps * self.ahead.heading_sigma_rad(estimate.gap_m);
             let mut across = across.on_course(path_sigma_m, crossing_mps);
             let sigma_m = track.across.position_sigma_m();
             across.in_way = self.ahead.in_way(track.place(), sigma_m, track.width_m);
+            across.drives = ground_mps > self.model.numbers().standing_mps;
             self.limits.observe(&mut track.membership, &across, dt_s);
         }
     }

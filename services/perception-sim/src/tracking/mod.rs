@@ -1,20 +1,16 @@
 //! From the radar's measurements to tracks.
 //!
 //! [`interacting`] is a bank of Kalman filters. [`longitudinal`] and [`lateral`] are the vehicles' models, and [`path`]
-//! selects those in the ego's way. [`detection_tracker`] works on detections on the [`course`] that [`course_filter`]
-//! finds. Its parts are [`association`], [`birth`], [`mirror`] and [`track`]. [`object_tracker`] works on measurements
-//! whose vehicle is known. Both hand out a [`TrackList`].
+//! selects those in the ego's way. [`detection_tracker`] works on detections on the [`course`] that [`belief`] finds. Its
+//! parts are [`association`], [`birth`], [`mirror`] and [`track`]. [`object_tracker`] works on measurements whose vehicle
+//! is known. Both hand out a [`TrackList`].
 
 pub mod abreast;
 pub mod association;
 pub mod belief;
 pub mod birth;
+pub mod circle;
 pub mod course;
-mod course_edges;
-pub mod course_filter;
-pub mod course_numbers;
-mod course_sources;
-pub mod curvature_knots;
 pub mod detection_tracker;
 pub mod ego_speed;
 mod entry;
@@ -33,6 +29,7 @@ pub mod road_edge;
 pub mod sight;
 pub mod sighting;
 pub mod slip;
+pub mod sources;
 pub mod track;
 pub mod trail;
 mod unite;

@@ -10,8 +10,8 @@
 //! Rows in which nothing changes come from an earlier tracker (GOSPA 4.6 m). The exceptions are `misfits`,
 //! `standing_mps`, `farthest_m`, `edge_inward`, `edge_outward`, `edge_margin_m` and `off_lane_rad`.
 //!
-//! Effects on lost leads and taken neighbours are those of `--example course -- effects 4 2 NAMES`, with the base in
-//! [`super::course_numbers`].
+//! Effects on lost leads and taken neighbours are those of `--example course -- effects 4 2 NAMES`, measured with an
+//! earlier course.
 //!
 //! ```
 //! use perception_sim::tracking::numbers::Numbers;
@@ -201,15 +201,6 @@ parameters! {
         cruise_braking_mps2: f64 = 5.0, "m/s²", 3.0..=8.0, "Source: ISO 15622: 5 m/s² at low speed. At 3 and 8 nothing changes.";
         /// Time until its braking acts: confirmation, control cycle and actuator.
         braking_late_s: f64 = 0.5, "s", 0.0..=1.5, "Chosen. At 0.25 and 1 nothing changes.";
-
-        /// Standard deviation of the path's place from which probabilities decide.
-        doubtful_path_m: f64 = 0.3, "m", 0.05..=2.0, "Chosen. Only roads with a plan have such a path. At 0.15 and 0.6 nothing changes.";
-        /// Half of the lane in which a vehicle is then to be.
-        half_lane_m: f64 = 1.75, "m", 1.25..=2.0, "Source: lanes of 3.5 m. At 1.25 lead lost +132 %, neighbour taken -50 %; at 2 lead lost -15 %, neighbour taken +23 %, neighbour taken with the map +15 %.";
-        /// Probability of being in it from which a track enters the path.
-        enter_probability: f64 = 0.8, "1", 0.1..=0.95, "Chosen: errors of the course last for seconds, so that a neighbour at one half comes in too often. At 0.4 lead lost -19 %, neighbour taken +822 %; at 0.95 lead lost +50 %.";
-        /// Probability below which it leaves the path.
-        leave_probability: f64 = 0.2, "1", 0.01..=0.5, "Chosen. At 0.1 lead lost -25 %; at 0.4 lead lost +49 %, neighbour taken -50 %.";
 
         // Vehicles that are lost in the path.
 

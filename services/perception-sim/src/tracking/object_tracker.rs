@@ -6,8 +6,6 @@
 use scenario::Scenario;
 
 use super::course::Course;
-use super::course_filter::{MapAhead, Sources};
-use super::course_numbers::CourseNumbers;
 use super::lateral;
 use super::list::{Track, TrackList};
 use super::longitudinal::{Filter, Measured, Model, Step};
@@ -15,6 +13,7 @@ use super::numbers::Numbers;
 use super::path::{Across, Approach, Membership, PathLimits};
 use super::road_ahead::RoadAhead;
 use super::sight::Share;
+use super::sources::{MapAhead, Sources};
 use super::track::FieldOfView;
 use crate::radar::object_list::{Measurement, Scan};
 use crate::radar::scene::Ego;
@@ -70,15 +69,15 @@ impl ObjectTracker {
             },
             tracks: vec![None; scenario.actors.len()],
             share: Share::new(&numbers),
-            ahead: RoadAhead::new(Sources::default(), &CourseNumbers::DEFAULT),
+            ahead: RoadAhead::new(Sources::default()),
             last_ns: None,
             next_id: 1,
         }
     }
 
     /// From now on the path is the course that these sources show.
-    pub fn follow_course(&mut self, sources: Sources, numbers: &CourseNumbers) {
-        self.ahead = RoadAhead::new(Sources { standing: false, ..sources }, numbers);
+    pub fn follow_course(&mut self, sources: Sources) {
+        self.ahead = RoadAhead::new(Sources { standing: false, ..sources });
     }
 
     /// The road ahead.
@@ -228,6 +227,7 @@ impl ObjectTracker {
             speed_sigma_mps: known.across.speed_sigma_mps(),
             path_sigma_m: self.ahead.path_sigma_m(known.along.estimate().gap_m),
             in_way: self.ahead.in_way(place, sigma_m, width_m),
+            drives: true,
             approach: Approach {
                 gap_m: known.along.estimate().gap_m,
                 relative_speed_mps: known.along.estimate().relative_speed_mps,

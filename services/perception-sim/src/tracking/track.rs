@@ -304,6 +304,7 @@ impl DetectedTrack {
             speed_sigma_mps: self.across.speed_sigma_mps(),
             path_sigma_m: 0.0,
             in_way: None,
+            drives: false,
             approach: Approach {
                 gap_m: self.along.estimate().gap_m,
                 relative_speed_mps: self.along.estimate().relative_speed_mps,

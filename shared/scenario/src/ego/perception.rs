@@ -166,18 +166,6 @@ tables! {
     pub struct Course {
         /// Its sources; an empty list: the straight path.
         pub sources: Vec<CourseSource> = vec![CourseSource::YawRate, CourseSource::Standing, CourseSource::Trails],
-        /// Their estimate: one course by a filter, or a belief in many hypotheses. The yaw rate alone makes a circle by
-        /// both.
-        pub road: RoadEstimate = sparse,
-    }
-
-    /// An estimate of the road ahead.
-    pub enum RoadEstimate {
-        /// A Kalman filter of one course.
-        #[default]
-        Filter,
-        /// Weighted hypotheses.
-        Belief,
     }
 
     /// A source of the course.

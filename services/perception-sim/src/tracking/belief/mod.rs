@@ -21,7 +21,7 @@
 //! Journal of the Royal Statistical Society B 63 (2001) 127: resample and move.
 
 use super::course::Course;
-use super::course_sources::{MapAhead, Sources};
+use super::sources::{MapAhead, Sources};
 use super::trail::{Motion, Trails};
 use crate::random::Random;
 use landmarks::{Echo, Frame, Landmarks};

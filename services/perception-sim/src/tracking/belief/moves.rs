@@ -9,9 +9,7 @@ use super::road::{BENDS, Bend, Hypothesis};
 use crate::random::Random;
 
 /// Start of the first curve of a new hypothesis, m.
-const FIRST_FROM_M: (f64, f64) = (-100.0, 300.0);
-/// Distance ahead up to which a curve shows, m.
-const SHOWN_M: f64 = 170.0;
+const FIRST_FROM_M: (f64, f64) = (-100.0, STRAIGHT_M);
 /// Steps of a curve's start, m, curvature, 1/m, clothoid, m, and arc, m, of the heading, rad, and of the offset, m. They
 /// are some of the posterior's standard deviations at medium distance, where the decisions fall.
 const STEPS: [f64; 6] = [4.0, 1.5e-4, 6.0, 8.0, 0.0012, 0.06];
@@ -77,7 +75,7 @@ pub fn step(
     others: [&Hypothesis; 2],
     random: &mut Random,
 ) -> (Hypothesis, Step) {
-    let shown = from.bends.iter().take_while(|bend| bend.from_m < SHOWN_M).count().max(1);
+    let shown = from.bends.iter().take_while(|bend| bend.from_m < STRAIGHT_M).count().max(1);
     match random.uniform() {
         ..REDRAWN => {
             let mut to = *from;

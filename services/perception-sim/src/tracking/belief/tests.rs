@@ -2,8 +2,7 @@ use super::*;
 
 const DT_S: f64 = 0.05;
 const SPEED_MPS: f64 = 20.0;
-const SOURCES: Sources =
-    Sources { yaw_rate: true, standing: true, trails: true, map: false, as_belief: true };
+const SOURCES: Sources = Sources { yaw_rate: true, standing: true, trails: true, map: false };
 
 /// An ego in the middle of a road that bends to the left from 120 m on, 200 m of radius, with posts 9 m to both sides
 /// and a queue whose last vehicle is 230 m from the start.

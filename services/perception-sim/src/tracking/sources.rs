@@ -1,4 +1,4 @@
-//! Sources of the course ([`super::course_filter`]).
+//! Sources of the course ([`super::road_ahead`]).
 
 /// Sources of the course that are in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,8 +11,6 @@ pub struct Sources {
     pub trails: bool,
     /// Curvatures of the map.
     pub map: bool,
-    /// They weigh the hypotheses of a belief, and not the state of a filter.
-    pub as_belief: bool,
 }
 
 impl Sources {
