@@ -16,8 +16,8 @@ use std::ops::Range;
 use messages::Detection;
 
 use super::course::Course;
+use super::motion::Motion;
 use super::numbers::Numbers;
-use super::trail::Motion;
 use crate::radar::receiver::{Receiver, snr_of};
 
 /// A detection on the course.

@@ -1,7 +1,7 @@
 //! The course by the yaw rate alone: the circle on which the ego is.
 
 use super::course::Course;
-use super::trail::Motion;
+use super::motion::Motion;
 
 /// Memory of the curvature, s: the noise of the yaw rate, and the driver's corrections.
 const MEMORY_S: f64 = 0.5;

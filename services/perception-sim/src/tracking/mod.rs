@@ -21,6 +21,7 @@ pub mod list;
 pub mod longitudinal;
 pub mod lost;
 pub mod mirror;
+pub mod motion;
 pub mod numbers;
 pub mod object_tracker;
 pub mod path;

@@ -11,10 +11,10 @@ use super::belief::landmarks::Echo;
 use super::birth;
 use super::circle::Circle;
 use super::course::Course;
+use super::motion::Motion;
 use super::numbers::Numbers;
 use super::slip::Slip;
 use super::sources::{MapAhead, Sources};
-use super::trail::Motion;
 use crate::radar::echo::Antenna;
 use crate::radar::receiver::Receiver;
 

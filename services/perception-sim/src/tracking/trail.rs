@@ -3,10 +3,12 @@
 //! Places are kept in the axes of dead reckoning by speed, yaw rate and slip angle. So the ego's motion moves none of
 //! them. Its error grows with the way; over a trail's length it is small.
 
+use super::motion::Frame;
+
 /// Places of a trail.
 const PLACES: usize = 24;
 /// Trails at most.
-const TRAILS: usize = 8;
+pub const TRAILS: usize = 8;
 /// Way of the ego between two places of a trail, m.
 const SPACING_M: f64 = 5.0;
 /// A trail ends when its vehicle has not been seen over this way of the ego, m.
@@ -16,26 +18,9 @@ const FEWEST: usize = 4;
 /// Distance ahead from which a place is used, m.
 const AHEAD_M: f64 = 2.0;
 
-/// The ego's motion as its sensors and its radar show it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
-    /// Speed of the front bumper along its way, m/s.
-    pub speed_mps: f64,
-    /// Yaw rate, rad/s, left positive; `None` without a sensor of use.
-    pub yaw_rate_radps: Option<f64>,
-    /// Angle from the body's axis to the way of the front bumper, rad.
-    pub slip_rad: f64,
-}
-
 /// Trails of all vehicles.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Trails {
-    x_m: f64,
-    y_m: f64,
-    heading_rad: f64,
-    way_m: f64,
-    trails: [Trail; TRAILS],
-}
+pub struct Trails([Trail; TRAILS]);
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Trail {
@@ -50,33 +35,21 @@ struct Trail {
 }
 
 impl Trails {
-    /// Moves the ego on, with the yaw angle `turn_rad`.
-    pub fn advance(&mut self, dt_s: f64, turn_rad: f64, motion: &Motion) {
-        let way_m = motion.speed_mps * dt_s;
-        let (sine, cosine) = libm::sincos(self.heading_rad + 0.5 * turn_rad + motion.slip_rad);
-        self.x_m += way_m * cosine;
-        self.y_m += way_m * sine;
-        self.heading_rad += turn_rad;
-        self.way_m += way_m;
-    }
-
     /// A vehicle is at a point of the body's axes, m.
-    pub fn leave(&mut self, id: u32, (x_m, y_m): (f64, f64)) {
-        let way_m = self.way_m;
-        let known = self.trails.iter().position(|trail| trail.id == id);
+    pub fn leave(&mut self, ego: &Frame, id: u32, point_m: (f64, f64)) {
+        let way_m = ego.way_m;
+        let known = self.0.iter().position(|trail| trail.id == id);
         let free = || {
             let is_free = |trail: &Trail| trail.id == 0 || way_m - trail.last_m > FORGOTTEN_M;
-            self.trails.iter().position(is_free)
+            self.0.iter().position(is_free)
         };
         let Some(index) = known.or_else(free) else { return };
-        let (sine, cosine) = libm::sincos(self.heading_rad);
-        let place = (self.x_m + cosine * x_m - sine * y_m, self.y_m + sine * x_m + cosine * y_m);
-        let trail = &mut self.trails[index];
+        let trail = &mut self.0[index];
         if trail.id != id || way_m - trail.last_m > FORGOTTEN_M {
             *trail = Trail { id, last_m: way_m - SPACING_M, ..Trail::default() };
         }
         if way_m - trail.last_m >= SPACING_M {
-            trail.places[trail.count % PLACES] = place;
+            trail.places[trail.count % PLACES] = ego.placed(point_m);
             trail.count += 1;
             trail.last_m = way_m;
         }
@@ -84,20 +57,15 @@ impl Trails {
 
     /// Drops a vehicle's trail: it has left its lane.
     pub fn forget(&mut self, id: u32) {
-        self.trails.iter_mut().filter(|trail| trail.id == id).for_each(|trail| trail.id = 0);
+        self.0.iter_mut().filter(|trail| trail.id == id).for_each(|trail| trail.id = 0);
     }
 
     /// Calls back with pairs of places of each trail in the body's axes: the nearest ahead, and a farther one. Each
     /// trail has two of these.
-    pub fn pairs(&self, mut each: impl FnMut((f64, f64), (f64, f64))) {
-        let (sine, cosine) = libm::sincos(self.heading_rad);
-        let seen = |place: (f64, f64)| {
-            let (dx, dy) = (place.0 - self.x_m, place.1 - self.y_m);
-            (cosine * dx + sine * dy, cosine * dy - sine * dx)
-        };
-        for trail in self.trails.iter().filter(|trail| trail.id != 0) {
+    pub fn pairs(&self, ego: &Frame, mut each: impl FnMut((f64, f64), (f64, f64))) {
+        for trail in self.0.iter().filter(|trail| trail.id != 0) {
             let oldest = trail.count.saturating_sub(PLACES);
-            let place = |index: usize| seen(trail.places[index % PLACES]);
+            let place = |index: usize| ego.seen(trail.places[index % PLACES]);
             let Some(first) = (oldest..trail.count).find(|&index| place(index).0 > AHEAD_M) else {
                 continue;
             };
@@ -112,6 +80,7 @@ impl Trails {
 
 #[cfg(test)]
 mod tests {
+    use super::super::motion::Motion;
     use super::*;
 
     /// Pairs that a lead 60 m ahead leaves on a circle of `radius_m` in `scans` scans at 30 m/s.
@@ -119,13 +88,13 @@ mod tests {
         let motion = Motion { speed_mps: 30.0, ..Motion::default() };
         let angle = 60.0 / radius_m;
         let ahead = (radius_m * libm::sin(angle), radius_m * (1.0 - libm::cos(angle)));
-        let mut trails = Trails::default();
+        let (mut ego, mut trails) = (Frame::default(), Trails::default());
         for _ in 0..scans {
-            trails.advance(0.05, 0.05 * 30.0 / radius_m, &motion);
-            trails.leave(7, ahead);
+            ego.advance(0.05, &motion, 0.05 * 30.0 / radius_m);
+            trails.leave(&ego, 7, ahead);
         }
         let mut pairs = Vec::new();
-        trails.pairs(|near, far| pairs.push((near, far)));
+        trails.pairs(&ego, |near, far| pairs.push((near, far)));
         pairs
     }
 
@@ -144,29 +113,29 @@ mod tests {
     #[test]
     fn a_short_trail_is_not_used_and_a_forgotten_one_neither() {
         assert!(follow(400.0, 8).is_empty());
-        let mut trails = Trails::default();
+        let (mut ego, mut trails) = (Frame::default(), Trails::default());
         let motion = Motion { speed_mps: 20.0, ..Motion::default() };
         for _ in 0..20 {
-            trails.advance(0.05, 0.0, &motion);
-            trails.leave(1, (40.0, 0.0));
+            ego.advance(0.05, &motion, 0.0);
+            trails.leave(&ego, 1, (40.0, 0.0));
         }
         trails.forget(1);
-        trails.pairs(|_, _| panic!("it is forgotten"));
+        trails.pairs(&ego, |_, _| panic!("it is forgotten"));
     }
 
     #[test]
     fn a_place_is_left_every_five_metres_and_four_of_them_are_used() {
         let motion = Motion { speed_mps: 20.0, ..Motion::default() };
         let pairs = |scans: u32, pause_m: f64| {
-            let mut trails = Trails::default();
+            let (mut ego, mut trails) = (Frame::default(), Trails::default());
             for scan in 0..scans {
                 // A metre a scan; once a pause in which the vehicle is not seen.
-                trails.advance(0.05, 0.0, &motion);
-                trails.advance(if scan == 12 { pause_m / 20.0 } else { 0.0 }, 0.0, &motion);
-                trails.leave(1, (140.0, 2.0));
+                ego.advance(0.05, &motion, 0.0);
+                ego.advance(if scan == 12 { pause_m / 20.0 } else { 0.0 }, &motion, 0.0);
+                trails.leave(&ego, 1, (140.0, 2.0));
             }
             let mut pairs = Vec::new();
-            trails.pairs(|near, far| pairs.push((near, far)));
+            trails.pairs(&ego, |near, far| pairs.push((near, far)));
             pairs
         };
         assert!(pairs(15, 0.0).is_empty(), "three places");
@@ -178,14 +147,14 @@ mod tests {
 
     #[test]
     fn more_vehicles_than_trails_leave_the_first_ones_in_peace() {
-        let mut trails = Trails::default();
+        let (mut ego, mut trails) = (Frame::default(), Trails::default());
         let motion = Motion { speed_mps: 20.0, ..Motion::default() };
         for _ in 0..40 {
-            trails.advance(0.05, 0.0, &motion);
-            (1..=12).for_each(|id| trails.leave(id, (40.0, f64::from(id))));
+            ego.advance(0.05, &motion, 0.0);
+            (1..=12).for_each(|id| trails.leave(&ego, id, (40.0, f64::from(id))));
         }
         let mut count = 0;
-        trails.pairs(|near, far| {
+        trails.pairs(&ego, |near, far| {
             count += 1;
             assert!((near.1 - far.1).abs() < 1e-9, "of one vehicle");
         });

@@ -7,7 +7,7 @@
 
 use libm::sincos;
 
-use super::super::trail::Motion;
+use super::super::motion::{Frame, Motion};
 
 /// Landmarks at most: what 100 objects a kilometre on each side give within the range, and some false alarms.
 pub const MOST: usize = 64;
@@ -24,34 +24,6 @@ const OFFSET_GAIN: f64 = 0.05;
 const MOST_OFFSET_RADPS: f64 = 0.0052;
 /// Echoes of a landmark from which its place shows the ego's turn.
 const SETTLED: f64 = 3.0;
-
-/// Place and heading in the plane of dead reckoning.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Frame {
-    /// Front bumper, m.
-    pub x_m: f64,
-    /// See `x_m`.
-    pub y_m: f64,
-    /// Heading of the body, rad.
-    pub heading_rad: f64,
-}
-
-impl Frame {
-    /// A point of the plane in the axes of this frame.
-    #[must_use]
-    pub fn seen(&self, (x_m, y_m): (f64, f64)) -> (f64, f64) {
-        let (sine, cosine) = sincos(self.heading_rad);
-        let (dx, dy) = (x_m - self.x_m, y_m - self.y_m);
-        (cosine * dx + sine * dy, cosine * dy - sine * dx)
-    }
-
-    /// A point of this frame in the plane.
-    #[must_use]
-    pub fn placed(&self, (x_m, y_m): (f64, f64)) -> (f64, f64) {
-        let (sine, cosine) = sincos(self.heading_rad);
-        (self.x_m + cosine * x_m - sine * y_m, self.y_m + sine * x_m + cosine * y_m)
-    }
-}
 
 /// An echo of something that stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,41 +59,24 @@ pub struct Landmark {
     unseen: u32,
 }
 
-/// The landmarks, and the ego between them.
-#[derive(Clone, Copy, Debug)]
+/// The landmarks.
+#[derive(Clone, Debug)]
 pub struct Landmarks {
-    list: [Landmark; MOST],
-    count: usize,
-    ego: Frame,
-    /// Way of the ego, m.
-    way_m: f64,
+    list: Vec<Landmark>,
     offset_radps: f64,
 }
 
 impl Default for Landmarks {
     fn default() -> Self {
-        let (list, ego) = ([Landmark::default(); MOST], Frame::default());
-        Self { list, count: 0, ego, way_m: 0.0, offset_radps: 0.0 }
+        Self { list: Vec::with_capacity(MOST), offset_radps: 0.0 }
     }
 }
 
 impl Landmarks {
-    /// The ego.
-    #[must_use]
-    pub fn ego(&self) -> &Frame {
-        &self.ego
-    }
-
-    /// Way of the ego, m.
-    #[must_use]
-    pub fn way_m(&self) -> f64 {
-        self.way_m
-    }
-
     /// The landmarks.
     #[must_use]
     pub fn list(&self) -> &[Landmark] {
-        &self.list[..self.count]
+        &self.list
     }
 
     /// Yaw rate without the sensor's offset, rad/s.
@@ -130,24 +85,13 @@ impl Landmarks {
         motion.yaw_rate_radps.map(|radps| radps - self.offset_radps)
     }
 
-    /// Moves the ego on. Without a yaw rate it turns by `turn_rad`.
-    pub fn advance(&mut self, dt_s: f64, motion: &Motion, turn_rad: f64) {
-        let turn_rad = self.yaw_rate_radps(motion).map_or(turn_rad, |radps| radps * dt_s);
-        let way_m = (motion.speed_mps * dt_s).max(0.0);
-        let (sine, cosine) = sincos(self.ego.heading_rad + 0.5 * turn_rad + motion.slip_rad);
-        self.ego.x_m += way_m * cosine;
-        self.ego.y_m += way_m * sine;
-        self.ego.heading_rad += turn_rad;
-        self.way_m += way_m;
-    }
-
     /// Takes the standing echoes of a scan.
-    pub fn take(&mut self, echoes: &[Echo]) {
-        self.forget();
-        let (sine, cosine) = sincos(self.ego.heading_rad);
+    pub fn take(&mut self, ego: &Frame, echoes: &[Echo]) {
+        self.forget(ego);
+        let (sine, cosine) = sincos(ego.heading_rad);
         let (mut turn, mut information) = (0.0, 0.0);
         for echo in echoes {
-            let place_m = self.ego.placed((echo.x_m, echo.y_m));
+            let place_m = ego.placed((echo.x_m, echo.y_m));
             let range_m = libm::hypot(echo.x_m, echo.y_m).max(1.0);
             let sigma_m = echo.sigma_m + PLACE_M;
             let weight = 1.0 / (sigma_m * sigma_m);
@@ -161,7 +105,7 @@ impl Landmarks {
                 (dx * sight.0 + dy * sight.1, dy * sight.0 - dx * sight.1)
             };
             let mut nearest = (1.0, None);
-            for (index, landmark) in self.list().iter().enumerate() {
+            for (index, landmark) in self.list.iter().enumerate() {
                 let (along_m, across_m) = off(landmark);
                 let far = (along_m.abs() / ALONG_M).max(across_m.abs() / reach_m);
                 if far < nearest.0 {
@@ -206,26 +150,19 @@ impl Landmarks {
     }
 
     /// Drops what is behind, and single echoes that do not come again.
-    fn forget(&mut self) {
+    fn forget(&mut self, ego: &Frame) {
         const SINGLE_SCANS: u32 = 20;
-        let (mut kept, ego) = (0, self.ego);
-        for index in 0..self.count {
-            let mut landmark = self.list[index];
+        self.list.retain_mut(|landmark| {
             landmark.unseen += 1;
             let is_single = landmark.count < 2.0 && landmark.unseen > SINGLE_SCANS;
-            if !is_single && ego.seen(landmark.place_m).0 > -DROPPED_M {
-                self.list[kept] = landmark;
-                kept += 1;
-            }
-        }
-        self.count = kept;
+            !is_single && ego.seen(landmark.place_m).0 > -DROPPED_M
+        });
     }
 
     /// A new landmark; without room it replaces a single echo.
     fn begin(&mut self, landmark: Landmark) {
-        if self.count < MOST {
-            self.list[self.count] = landmark;
-            self.count += 1;
+        if self.list.len() < MOST {
+            self.list.push(landmark);
         } else if let Some(single) = self.list.iter_mut().find(|known| known.count < 2.0) {
             *single = landmark;
         }
@@ -239,11 +176,12 @@ mod tests {
     const DT_S: f64 = 0.05;
 
     /// Echoes of posts on a straight road at 20 m/s, by an ego whose sensor has an offset.
-    fn drive(scans: u32, offset_radps: f64) -> Landmarks {
-        let mut landmarks = Landmarks::default();
+    fn drive(scans: u32, offset_radps: f64) -> (Frame, Landmarks) {
+        let (mut ego, mut landmarks) = (Frame::default(), Landmarks::default());
         let motion = Motion { speed_mps: 20.0, yaw_rate_radps: Some(offset_radps), slip_rad: 0.0 };
         for scan in 0..scans {
-            landmarks.advance(DT_S, &motion, 0.0);
+            let turn_rad = landmarks.yaw_rate_radps(&motion).expect("a yaw rate") * DT_S;
+            ego.advance(DT_S, &motion, turn_rad);
             let ego_m = f64::from(scan + 1) * 20.0 * DT_S;
             let echoes: Vec<Echo> = (0..40)
                 .map(|post| {
@@ -252,14 +190,14 @@ mod tests {
                 .filter(|(x_m, _)| (10.0..120.0).contains(x_m))
                 .map(|(x_m, y_m)| Echo { x_m, y_m, sigma_m: 0.1, area_m2: 1.0, least_m2: 0.1 })
                 .collect();
-            landmarks.take(&echoes);
+            landmarks.take(&ego, &echoes);
         }
-        landmarks
+        (ego, landmarks)
     }
 
     #[test]
     fn an_object_is_one_landmark_however_often_it_is_seen() {
-        let landmarks = drive(60, 0.0);
+        let (_, landmarks) = drive(60, 0.0);
         let ahead = landmarks.list().iter().filter(|mark| mark.place_m.0 > 71.0).count();
         assert_eq!(ahead, 9, "one for each post from 72 to 168 m");
         let first = landmarks.list().iter().find(|mark| mark.place_m.0 > 71.0).expect("a post");
@@ -269,26 +207,19 @@ mod tests {
 
     #[test]
     fn landmarks_correct_the_offset_of_the_yaw_rate() {
-        let landmarks = drive(200, 0.002);
+        let (ego, landmarks) = drive(200, 0.002);
         assert!((landmarks.offset_radps - 0.002).abs() < 4e-4, "{}", landmarks.offset_radps);
-        assert!(landmarks.list().iter().all(|mark| landmarks.ego().seen(mark.place_m).0 > -71.1));
+        assert!(landmarks.list().iter().all(|mark| ego.seen(mark.place_m).0 > -71.1));
     }
 
     #[test]
     fn a_single_echo_is_forgotten() {
-        let mut landmarks = Landmarks::default();
-        landmarks.take(&[Echo { x_m: 50.0, sigma_m: 0.2, ..Echo::default() }]);
+        let (ego, mut landmarks) = (Frame::default(), Landmarks::default());
+        landmarks.take(&ego, &[Echo { x_m: 50.0, sigma_m: 0.2, ..Echo::default() }]);
         for _ in 0..21 {
             assert_eq!(landmarks.list().len(), 1);
-            landmarks.take(&[]);
+            landmarks.take(&ego, &[]);
         }
         assert!(landmarks.list().is_empty());
-    }
-
-    #[test]
-    fn a_frame_sees_what_it_has_placed() {
-        let frame = Frame { x_m: 3.0, y_m: -2.0, heading_rad: 0.7 };
-        let (x_m, y_m) = frame.seen(frame.placed((10.0, 4.0)));
-        assert!((x_m - 10.0).abs() < 1e-12 && (y_m - 4.0).abs() < 1e-12);
     }
 }

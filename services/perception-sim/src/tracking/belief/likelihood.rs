@@ -86,23 +86,18 @@ impl Mark {
     }
 }
 
-/// Landmarks at most.
-const MARKS: usize = super::landmarks::MOST;
 /// Places of the ego's own way.
 pub const WAY: usize = 4;
-/// Pairs of trail places.
-const PAIRS: usize = 16;
 
 /// Evidence in one frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Evidence {
-    marks: [Mark; MARKS],
-    mark_count: usize,
+    /// Landmarks.
+    pub marks: Vec<Mark>,
     /// Places where the ego was, m.
-    way: [(f64, f64); WAY],
-    way_count: usize,
-    pairs: [((f64, f64), (f64, f64)); PAIRS],
-    pair_count: usize,
+    pub way: Vec<(f64, f64)>,
+    /// Two places of one vehicle each, m.
+    pub pairs: Vec<((f64, f64), (f64, f64))>,
     /// Curvature of the ego's way, 1/m, and the arc length at which it was that of the road.
     pub own: Option<(f64, f64)>,
     /// Direction of the ego's way in the body's axes, rad.
@@ -113,67 +108,14 @@ pub struct Evidence {
     pub map_perm: Option<[f64; MAP_PLACES]>,
 }
 
-impl Default for Evidence {
-    fn default() -> Self {
-        Self {
-            marks: [Mark::default(); MARKS],
-            mark_count: 0,
-            way: [(0.0, 0.0); WAY],
-            way_count: 0,
-            pairs: [((0.0, 0.0), (0.0, 0.0)); PAIRS],
-            pair_count: 0,
-            own: None,
-            slip_rad: 0.0,
-            speed_mps: 0.0,
-            map_perm: None,
-        }
-    }
-}
-
 impl Evidence {
-    /// Nothing but the ego's motion.
-    pub fn clear(&mut self) {
-        (self.mark_count, self.way_count, self.pair_count) = (0, 0, 0);
-        (self.own, self.map_perm) = (None, None);
-    }
-
-    /// Adds a landmark.
-    pub fn add_mark(&mut self, mark: Mark) {
-        if self.mark_count < MARKS {
-            self.marks[self.mark_count] = mark;
-            self.mark_count += 1;
-        }
-    }
-
-    /// Adds a place where the ego was.
-    pub fn add_way(&mut self, place_m: (f64, f64)) {
-        if self.way_count < WAY {
-            self.way[self.way_count] = place_m;
-            self.way_count += 1;
-        }
-    }
-
-    /// Adds two places of one vehicle.
-    pub fn add_pair(&mut self, near: (f64, f64), far: (f64, f64)) {
-        if self.pair_count < PAIRS {
-            self.pairs[self.pair_count] = (near, far);
-            self.pair_count += 1;
-        }
-    }
-
-    /// Landmarks and pairs in use.
-    #[must_use]
-    pub fn counts(&self) -> (u32, u32) {
-        (self.mark_count as u32, self.pair_count as u32)
-    }
-
     /// Logarithm of the likelihood of a hypothesis, with the prior of the ego's place in its lane.
     #[must_use]
     pub fn log_likelihood(&self, hypothesis: &Hypothesis, line: &Line) -> f64 {
         let normal = |off: f64| (-0.5 * off * off).max(LEAST);
         let mut sum = -0.5 * square(hypothesis.offset_m / SWAY_M);
         sum += normal((hypothesis.heading_rad - self.slip_rad) / ANGLE_RAD);
-        for place in &self.way[..self.way_count] {
+        for place in &self.way {
             sum += normal(line.across_m(*place) / SWAY_M);
         }
         if let Some((own_perm, at_m)) = self.own {
@@ -181,7 +123,7 @@ impl Evidence {
             let off_perm = own_perm - hypothesis.curvature_perm(at_m);
             sum += normal(off_perm / libm::hypot(steering_perm, OWN_PERM));
         }
-        for (near, far) in &self.pairs[..self.pair_count] {
+        for (near, far) in &self.pairs {
             sum += normal((line.across_m(*far) - line.across_m(*near)) / TRAIL_M);
         }
         if let Some(map_perm) = &self.map_perm {
@@ -199,7 +141,7 @@ impl Evidence {
         // Products over the landmarks: beside any lane, and by the case of the queues. Each factor is from 1 to some
         // 1,000, so that 64 of them do not overflow.
         let (mut beside, mut cases) = (1.0, [1.0; 7]);
-        for mark in &self.marks[..self.mark_count] {
+        for mark in &self.marks {
             let d_m = line.across_m(mark.at_m);
             let strips = strip((d_m - left_m) * mark.sharp_perm, STRIP_M * mark.sharp_perm)
                 + strip((-d_m - right_m) * mark.sharp_perm, STRIP_M * mark.sharp_perm);
@@ -337,8 +279,8 @@ mod tests {
         let mut evidence = evidence();
         for k in 0..5 {
             let s_m = 20.0 + 20.0 * f64::from(k);
-            evidence.add_mark(Mark::new(at(s_m, 9.0), 0.3, 1.0, 0.1));
-            evidence.add_mark(Mark::new(at(s_m, -9.5), 0.3, 1.0, 0.1));
+            evidence.marks.push(Mark::new(at(s_m, 9.0), 0.3, 1.0, 0.1));
+            evidence.marks.push(Mark::new(at(s_m, -9.5), 0.3, 1.0, 0.1));
         }
         let mut later = road();
         later.bends[0].from_m = 75.0;
@@ -355,7 +297,7 @@ mod tests {
             let mut evidence = evidence();
             for (index, d_m) in offsets.into_iter().enumerate() {
                 let s_m = 40.0 + 8.0 * index as f64;
-                evidence.add_mark(Mark::new(at(s_m, d_m), 0.3, 8.0, 0.1));
+                evidence.marks.push(Mark::new(at(s_m, d_m), 0.3, 8.0, 0.1));
             }
             density(&evidence, &road())
         };
@@ -385,7 +327,7 @@ mod tests {
     #[test]
     fn trails_are_parallel() {
         let mut evidence = evidence();
-        evidence.add_pair(at(10.0, 3.5), at(110.0, 3.5));
+        evidence.pairs.push((at(10.0, 3.5), at(110.0, 3.5)));
         let mut straight = road();
         straight.bends[0].curvature_perm = 1e-6;
         let alone = Evidence { speed_mps: 20.0, ..Evidence::default() };

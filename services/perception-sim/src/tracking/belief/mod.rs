@@ -21,10 +21,11 @@
 //! Journal of the Royal Statistical Society B 63 (2001) 127: resample and move.
 
 use super::course::Course;
+use super::motion::{Frame, Motion};
 use super::sources::{MapAhead, Sources};
-use super::trail::{Motion, Trails};
+use super::trail::{TRAILS, Trails};
 use crate::random::Random;
-use landmarks::{Echo, Frame, Landmarks};
+use landmarks::{Echo, Landmarks};
 use likelihood::{Evidence, MAP_APART_M, MAP_PLACES, Mark, WAY, log_prior};
 use moves::Step;
 use outlook::Mean;
@@ -112,11 +113,11 @@ impl Particle {
 pub struct Belief {
     sources: Sources,
     random: Random,
+    ego: Frame,
     landmarks: Landmarks,
     trails: Trails,
-    /// Places of the ego's own way in the plane, m, and its way at the last one, m.
-    way: [(f64, f64); WAY],
-    way_count: usize,
+    /// Places of the ego's own way in the plane, m, the newest first, and its way at that one, m.
+    way: Vec<(f64, f64)>,
     way_m: f64,
     own_perm: Option<f64>,
     evidence: Evidence,
@@ -136,16 +137,19 @@ impl Belief {
     #[must_use]
     pub fn new(sources: Sources) -> Self {
         let mut random = Random::of_run(SEED, 0);
-        let evidence = Evidence::default();
+        let mut evidence = Evidence::default();
+        evidence.marks.reserve(landmarks::MOST);
+        evidence.way.reserve(WAY);
+        evidence.pairs.reserve(2 * TRAILS);
         let particles: Vec<Particle> =
             (0..COUNT).map(|_| Particle::new(moves::first(&mut random), &evidence)).collect();
         let mut belief = Self {
             sources,
             random,
+            ego: Frame::default(),
             landmarks: Landmarks::default(),
             trails: Trails::default(),
-            way: [(0.0, 0.0); WAY],
-            way_count: 0,
+            way: Vec::with_capacity(WAY + 1),
             way_m: 0.0,
             own_perm: None,
             evidence,
@@ -173,13 +177,11 @@ impl Belief {
             Some(radps) => radps * dt_s,
             None => self.course.curvature_perm(0.0) * motion.speed_mps * dt_s,
         };
-        self.landmarks.advance(dt_s, &motion, turn_rad);
-        self.trails.advance(dt_s, turn_rad, &motion);
-        if self.landmarks.way_m() - self.way_m >= WAY_APART_M {
-            self.way_m = self.landmarks.way_m();
-            self.way.rotate_right(1);
-            self.way[0] = (self.landmarks.ego().x_m, self.landmarks.ego().y_m);
-            self.way_count = (self.way_count + 1).min(WAY);
+        self.ego.advance(dt_s, &motion, turn_rad);
+        if self.ego.way_m - self.way_m >= WAY_APART_M {
+            self.way_m = self.ego.way_m;
+            self.way.insert(0, (self.ego.x_m, self.ego.y_m));
+            self.way.truncate(WAY);
         }
         self.own_perm = match yaw_rate_radps.filter(|_| motion.speed_mps >= SLOW_MPS) {
             None => None,
@@ -195,7 +197,7 @@ impl Belief {
     /// Takes in a scan: the ego's motion, the map, and what stands. Allocates nothing.
     pub fn take(&mut self, motion: &Motion, map: Option<&MapAhead>, echoes: &[Echo]) {
         if self.sources.standing {
-            self.landmarks.take(echoes);
+            self.landmarks.take(&self.ego, echoes);
         }
         if self.scan == 0 {
             self.gather(motion, map);
@@ -218,10 +220,12 @@ impl Belief {
 
     /// Copies what is known into the evidence of a round.
     fn gather(&mut self, motion: &Motion, map: Option<&MapAhead>) {
-        let ego = *self.landmarks.ego();
+        let ego = self.ego;
         self.next_frame = ego;
         let evidence = &mut self.evidence;
-        evidence.clear();
+        evidence.marks.clear();
+        evidence.way.clear();
+        evidence.pairs.clear();
         (evidence.speed_mps, evidence.slip_rad) = (motion.speed_mps, motion.slip_rad);
         for landmark in self.landmarks.list().iter().filter(|landmark| landmark.count >= 2.0) {
             let turn_m = TURN_RAD * landmark.nearest_m;
@@ -231,16 +235,14 @@ impl Belief {
             if at_m.0 < -BEHIND_M {
                 continue;
             }
-            evidence.add_mark(Mark::new(at_m, sigma_m, area_m2, landmark.least_m2));
+            evidence.marks.push(Mark::new(at_m, sigma_m, area_m2, landmark.least_m2));
         }
         if self.sources.yaw_rate {
-            self.way[..self.way_count].iter().for_each(|place| evidence.add_way(ego.seen(*place)));
-            let behind_m = -motion.speed_mps * OWN_MEMORY_S;
-            evidence.own = self.own_perm.map(|perm| (perm, behind_m));
+            evidence.way.extend(self.way.iter().map(|place| ego.seen(*place)));
         }
-        if self.sources.trails {
-            self.trails.pairs(|near, far| evidence.add_pair(near, far));
-        }
+        let behind_m = -motion.speed_mps * OWN_MEMORY_S;
+        evidence.own = self.own_perm.map(|perm| (perm, behind_m));
+        self.trails.pairs(&ego, |near, far| evidence.pairs.push((near, far)));
         evidence.map_perm = map.filter(|_| self.sources.map).and_then(|map| {
             let mut perm = [0.0; MAP_PLACES];
             for (place, perm) in perm.iter_mut().enumerate() {
@@ -338,7 +340,7 @@ impl Belief {
         } else if lateral_mps.abs() > LANE_CHANGE_MPS {
             self.trails.forget(id);
         } else {
-            self.trails.leave(id, point_m);
+            self.trails.leave(&self.ego, id, point_m);
         }
     }
 }

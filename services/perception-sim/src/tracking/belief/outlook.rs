@@ -66,7 +66,7 @@ impl Belief {
 
     /// The course from the ego on: the mean's heading and curvatures.
     pub(super) fn bent(&self) -> Course {
-        let ego = self.landmarks.ego();
+        let ego = self.ego;
         let there = self.mean.line.beside(self.frame.seen((ego.x_m, ego.y_m)));
         let heading_rad = there.heading_rad - (ego.heading_rad - self.frame.heading_rad);
         let nodes = &self.mean.line.nodes;
@@ -79,7 +79,7 @@ impl Belief {
 
     /// A point of the body's axes in the frame of the lines.
     fn framed(&self, point_m: (f64, f64)) -> (f64, f64) {
-        self.frame.seen(self.landmarks.ego().placed(point_m))
+        self.frame.seen(self.ego.placed(point_m))
     }
 
     /// Probability that an object is in the ego's way. It is at a point of the body's axes, m, known across the road to
@@ -136,7 +136,7 @@ impl Belief {
     /// Landmarks and pairs of trail places in use.
     #[must_use]
     pub fn used(&self) -> (u32, u32) {
-        self.evidence.counts()
+        (self.evidence.marks.len() as u32, self.evidence.pairs.len() as u32)
     }
 }
 

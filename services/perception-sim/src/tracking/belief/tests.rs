@@ -36,7 +36,7 @@ impl Drive {
     fn seen(&self, s_m: f64, d_m: f64) -> (f64, f64) {
         let (x, y, heading) = road(self.ego_m, 0.0);
         let (px, py, _) = road(s_m, d_m);
-        Frame { x_m: x, y_m: y, heading_rad: heading }.seen((px, py))
+        Frame { x_m: x, y_m: y, heading_rad: heading, way_m: 0.0 }.seen((px, py))
     }
 
     fn scan(&mut self) {
