@@ -3,13 +3,12 @@
 //! Standing targets: a track begins with a standing echo only in the ego's lane ([`Numbers::standing_half_width_m`]), or
 //! where the belief about the road allows it.
 //! There a standing object is an obstacle. The track needs twice the scans to be confirmed. Standing echoes elsewhere
-//! count as roadside. A vehicle that has been tracked while it moved stays a track when it stops. Nothing begins
-//! beyond the road's edge ([`super::road_edge`]) nor three lanes off ([`super::mirror`]).
+//! count as roadside. A vehicle that has been tracked while it moved stays a track when it stops. Nothing begins three
+//! lanes off ([`super::mirror`]).
 
 use super::association::{Outline, Point};
 use super::mirror;
 use super::numbers::Numbers;
-use super::road_edge::RoadEdge;
 use super::sighting::Sighting;
 
 /// An echo moves over ground.
@@ -19,11 +18,12 @@ pub fn moves(point: &Point, numbers: &Numbers) -> bool {
     point.ground_speed_mps.abs() > numbers.standing_mps + noise_mps
 }
 
-/// Nothing that stands and `is_aside` begins a track. Calls `begin` with what is seen of each new vehicle, and whether it moves. `outlines` are those of the
-/// tracks that were seen in this scan. The points used belong to nothing else afterwards.
+/// Calls `begin` with what is seen of each new vehicle, and whether it moves. Nothing that stands and `is_aside` begins
+/// a track. `outlines` are those of the tracks that were seen in this scan. The points used belong to nothing else
+/// afterwards.
 pub fn find(
     points: &mut [Point],
-    (outlines, edge): (&[Outline], &RoadEdge),
+    outlines: &[Outline],
     is_aside: impl Fn(&Point) -> bool,
     numbers: &Numbers,
     mut begin: impl FnMut(&Sighting, bool),
@@ -33,7 +33,6 @@ pub fn find(
         if point.owner.is_none()
             && (stands_aside
                 || mirror::is_too_far(point, numbers)
-                || edge.is_beyond(point.y_m, numbers)
                 || outlines.iter().any(|outline| outline.covers(point, numbers)))
         {
             point.owner = Some(NO_TRACK);
@@ -104,39 +103,34 @@ mod tests {
         point.y_m.abs() > Numbers::DEFAULT.standing_half_width_m
     }
 
-    fn begun(points: &[Point], edge: &RoadEdge) -> usize {
+    fn begun(points: &[Point]) -> usize {
         let (mut points, mut count) = (points.to_vec(), 0);
-        find(&mut points, (&[], edge), aside, &Numbers::DEFAULT, |_, _| count += 1);
+        find(&mut points, &[], aside, &Numbers::DEFAULT, |_, _| count += 1);
         assert!(points.iter().all(|point| point.owner.is_some()));
         count
     }
 
     #[test]
     fn the_echoes_of_a_vehicle_begin_one_track_and_two_vehicles_two() {
-        let edge = RoadEdge::default();
         let car = [point(40.0, 0.8, 0.1), point(40.0, -0.8, 0.0), point(44.0, 0.9, -0.1)];
-        assert_eq!(begun(&car, &edge), 1);
+        assert_eq!(begun(&car), 1);
         let beside = point(41.0, 3.5, 0.0);
-        assert_eq!(begun(&[car[0], car[1], beside], &edge), 2);
+        assert_eq!(begun(&[car[0], car[1], beside]), 2);
         let faster = point(41.0, 0.0, 6.0);
-        assert_eq!(begun(&[car[0], car[1], faster], &edge), 2);
+        assert_eq!(begun(&[car[0], car[1], faster]), 2);
     }
 
     #[test]
     fn a_standing_echo_begins_a_track_in_the_lane_only() {
-        let edge = RoadEdge::default();
-        assert_eq!(begun(&[point(60.0, 1.0, -20.0)], &edge), 1);
-        assert_eq!(begun(&[point(60.0, 8.0, -20.0), point(60.0, -3.0, -20.0)], &edge), 0);
-        assert_eq!(begun(&[point(60.0, 3.5, -12.0)], &edge), 1);
+        assert_eq!(begun(&[point(60.0, 1.0, -20.0)]), 1);
+        assert_eq!(begun(&[point(60.0, 8.0, -20.0), point(60.0, -3.0, -20.0)]), 0);
+        assert_eq!(begun(&[point(60.0, 3.5, -12.0)]), 1);
     }
 
     #[test]
-    fn nothing_begins_beyond_the_edge() {
-        let mut edge = RoadEdge::default();
-        edge.observe(8.0, &Numbers::DEFAULT);
-        assert_eq!(begun(&[point(60.0, 10.0, -2.0)], &edge), 0);
-        assert_eq!(begun(&[point(60.0, -10.0, -2.0)], &edge), 1);
-        assert_eq!(begun(&[point(60.0, -16.0, -2.0)], &edge), 0, "more than three lanes off");
+    fn nothing_begins_more_than_three_lanes_off() {
+        assert_eq!(begun(&[point(60.0, -10.0, -2.0)]), 1);
+        assert_eq!(begun(&[point(60.0, -16.0, -2.0)]), 0);
     }
 
     const NUMBERS: Numbers = Numbers::DEFAULT;
@@ -185,10 +179,9 @@ mod tests {
     /// A lorry in the next lane of which five places along its side are seen, each 7 m from the one before.
     #[test]
     fn a_chain_goes_on_from_its_last_place() {
-        let edge = RoadEdge::default();
         let side: Vec<Point> = (0..5).map(|k| point(40.0 + 7.0 * f64::from(k), 3.5, 0.0)).collect();
-        assert_eq!(begun(&side, &edge), 1);
-        assert_eq!(begun(&[side[0], side[2], side[4]], &edge), 3, "14 m apart");
+        assert_eq!(begun(&side), 1);
+        assert_eq!(begun(&[side[0], side[2], side[4]]), 3, "14 m apart");
     }
 
     #[test]
@@ -196,7 +189,7 @@ mod tests {
         let mut points = [point(40.0, 0.5, 0.0), point(42.0, -0.5, 0.0), point(80.0, 0.0, -20.0)];
         points[2].detection = 5;
         let mut seen = Vec::new();
-        find(&mut points, (&[], &RoadEdge::default()), aside, &NUMBERS, |sighting, moves| {
+        find(&mut points, &[], aside, &NUMBERS, |sighting, moves| {
             seen.push((sighting.nearest, sighting.farthest_m, moves));
         });
         assert_eq!(seen, [(0, 42.0, true), (5, 80.0, false)]);
@@ -218,15 +211,13 @@ mod tests {
         };
         let mut points = [point(41.0, 0.0, -5.0), point(60.0, 0.0, -5.0)];
         let mut seen = Vec::new();
-        find(&mut points, (&[outline], &RoadEdge::default()), aside, &NUMBERS, |sighting, _| {
+        find(&mut points, &[outline], aside, &NUMBERS, |sighting, _| {
             seen.push(sighting.farthest_m);
         });
         assert_eq!(seen, [60.0]);
         // A point that a track has taken begins nothing either.
         let mut taken = [Point { owner: Some(0), ..point(60.0, 0.0, -5.0) }];
-        find(&mut taken, (&[], &RoadEdge::default()), aside, &NUMBERS, |_, _| {
-            panic!("it is taken")
-        });
+        find(&mut taken, &[], aside, &NUMBERS, |_, _| panic!("it is taken"));
         assert_eq!(taken[0].owner, Some(0));
     }
 }

@@ -24,7 +24,6 @@ use super::mirror;
 use super::numbers::Numbers;
 use super::path::{Across, PathLimits};
 use super::road_ahead::{Radar, RoadAhead};
-use super::road_edge::RoadEdge;
 use super::sight::Sight;
 use super::sighting::Sighting;
 use super::sources::{MapAhead, Sources};
@@ -53,7 +52,6 @@ pub struct DetectionTracker {
     outlines: Vec<Outline>,
     /// For each track the points from its first one to its last.
     spans: [Range<usize>; MAX_KEPT],
-    edge: RoadEdge,
     ahead: RoadAhead,
     sight: Sight,
     last_ns: Option<i64>,
@@ -93,7 +91,6 @@ impl DetectionTracker {
             points: Vec::with_capacity(messages::MAX_DETECTIONS),
             outlines: Vec::with_capacity(MAX_KEPT),
             spans: from_fn(|_| 0..0),
-            edge: RoadEdge::default(),
             ahead: RoadAhead::new(Sources::default()),
             sight: Sight::new(
                 radar.threshold_db.value(),
@@ -125,7 +122,7 @@ impl DetectionTracker {
         self.predict(dt_s, ego.acceleration_mps2);
         self.readings.clear();
         self.readings.extend(detections.iter().map(Reading::new));
-        if self.ahead.is_used() {
+        if !self.ahead.course().is_straight() {
             let motion = self.ahead.motion(ego.speed_mps, yaw_rate_radps);
             let read = (detections, self.readings.as_slice());
             let known = (&self.radar, self.model.numbers());
@@ -179,11 +176,7 @@ impl DetectionTracker {
         let (course, motion) = (self.ahead.course(), self.ahead.motion(ego.speed_mps, None));
         self.points.clear();
         for (index, read) in detections.iter().zip(&self.readings).enumerate() {
-            let point = Point::new(index, read, &motion, &self.radar.receiver, course);
-            if !birth::moves(&point, self.model.numbers()) {
-                self.edge.observe(point.y_m, self.model.numbers());
-            }
-            self.points.push(point);
+            self.points.push(Point::new(index, read, &motion, &self.radar.receiver, course));
         }
     }
 
@@ -298,8 +291,7 @@ impl DetectionTracker {
         let aside = |point: &Point| {
             ahead.is_aside((point.x_m, point.y_m), point.lateral_variance.sqrt(), numbers)
         };
-        let known = (self.outlines.as_slice(), &self.edge);
-        birth::find(&mut self.points, known, aside, numbers, |sighting, moves| {
+        birth::find(&mut self.points, &self.outlines, aside, numbers, |sighting, moves| {
             if tracks.len() < MAX_KEPT {
                 tracks.push(DetectedTrack::begin(model, sighting, moves));
             }
@@ -351,7 +343,7 @@ impl DetectionTracker {
             // The centroid of several vehicles is not a vehicle. But a track that may be one vehicle has to count
             // before only hard braking helps.
             let is_urgent = track.along.estimate().braking_mps2() > numbers.comfortable_mps2;
-            let across = if track.abreast.is_one() || is_urgent {
+            let mut across = if track.abreast.is_one() || is_urgent {
                 track.across()
             } else {
                 Across::resting(self.nearest_of_several_m(track).unwrap_or(f64::INFINITY))
@@ -362,14 +354,15 @@ impl DetectionTracker {
                 self.next_id = self.next_id.wrapping_add(1).max(1);
             }
             let estimate = track.along.estimate();
-            let path_sigma_m = self.ahead.path_sigma_m(estimate.gap_m);
-            // A vehicle that follows the road crosses a course whose heading is off.
             let ground_mps = ego_mps + estimate.relative_speed_mps;
-            let crossing_mps = ground_mps * self.ahead.heading_sigma_rad(estimate.gap_m);
-            let mut across = across.on_course(path_sigma_m, crossing_mps);
-            let sigma_m = track.across.position_sigma_m();
-            across.in_way = self.ahead.in_way(track.place(), sigma_m, track.width_m);
             across.drives = ground_mps > self.model.numbers().standing_mps;
+            if let Some(belief) = self.ahead.belief() {
+                let sigma_m = track.across.position_sigma_m();
+                let in_way = belief.in_way_at(track.place(), sigma_m, track.width_m);
+                // A vehicle that follows the road crosses a course whose heading is off.
+                let crossing_mps = ground_mps * belief.heading_sigma_rad(estimate.gap_m);
+                across = across.on_course(in_way, crossing_mps);
+            }
             self.limits.observe(&mut track.membership, &across, dt_s);
         }
     }

@@ -26,7 +26,6 @@ pub mod numbers;
 pub mod object_tracker;
 pub mod path;
 pub mod road_ahead;
-pub mod road_edge;
 pub mod sight;
 pub mod sighting;
 pub mod slip;

@@ -8,7 +8,7 @@
 //! acceleration's error, and 5 % of the other two.
 //!
 //! Rows in which nothing changes come from an earlier tracker (GOSPA 4.6 m). The exceptions are `misfits`,
-//! `standing_mps`, `farthest_m`, `edge_inward`, `edge_outward`, `edge_margin_m` and `off_lane_rad`.
+//! `standing_mps`, `farthest_m` and `off_lane_rad`.
 //!
 //! Effects on lost leads and taken neighbours are those of `--example course -- effects 4 2 NAMES`, measured with an
 //! earlier course.
@@ -149,7 +149,7 @@ parameters! {
         /// Speed over ground from which a track has moved.
         moving_mps: f64 = 2.0, "m/s", 0.5..=6.0, "Chosen. At 1 and 4 nothing changes.";
 
-        // Mirror images and the road's edge.
+        // Mirror images.
 
         /// Distance from the lane's centre beyond which no track begins: three and a half lanes of 3.5 m.
         farthest_m: f64 = 12.25, "m", 5.0..=30.0, "Chosen. At 6.125 and 24.5 nothing changes.";
@@ -161,14 +161,6 @@ parameters! {
         image_along_m: f64 = 2.0, "m", 0.5..=8.0, "Chosen. At 1 and 4 nothing changes.";
         /// Difference of speeds within which they agree.
         image_mps: f64 = 0.5, "m/s", 0.1..=3.0, "Chosen. At 0.25 and 1 nothing changes.";
-        /// Distance from the lane's centre from which standing echoes may be the road's edge.
-        edge_from_m: f64 = 4.5, "m", 2.0..=8.0, "Chosen. At 2.25 and 8 nothing changes.";
-        /// Weight of an object inside the known edge.
-        edge_inward: f64 = 0.3, "1", 0.02..=1.0, "Chosen. At 0.15 and 0.6 nothing changes.";
-        /// Weight of an object outside the known edge.
-        edge_outward: f64 = 0.005, "1", 0.0..=0.1, "Chosen. At 0.0025 and 0.01 nothing changes.";
-        /// Distance between the edge and the place that is beyond it.
-        edge_margin_m: f64 = 1.0, "m", 0.0..=4.0, "Chosen. At 0.5 and 2 nothing changes.";
 
         // Vehicles abreast that the receiver does not resolve.
 

@@ -103,18 +103,13 @@ impl ObjectTracker {
         let step = self.model.step(dt_s, ego.acceleration_mps2);
         let mut list = TrackList::new(time_ns);
         let motion = self.ahead.motion(ego.speed_mps, yaw_rate_radps);
-        let before = match self.ahead.is_used() {
-            true => self.ahead.find_blind(dt_s, &motion, map),
-            false => Course::STRAIGHT,
-        };
+        let before = self.ahead.find_blind(dt_s, &motion, map);
         for (index, measurement) in scan.iter().enumerate() {
             let mut track = self.tracks[index].take();
             if let Some(known) = &mut track {
                 known.along.predict(&self.model, &step);
                 known.across.predict(dt_s, self.model.numbers());
-                if self.ahead.is_used() {
-                    known.shift(&before, self.ahead.course());
-                }
+                known.shift(&before, self.ahead.course());
                 known.unseen_s += dt_s;
                 known.measured = false;
                 let (x_m, y_m) = known.place(self.ahead.course());
@@ -225,8 +220,7 @@ impl ObjectTracker {
             lateral_m: known.across.position_m(),
             speed_mps: known.across.speed_mps(),
             speed_sigma_mps: known.across.speed_sigma_mps(),
-            path_sigma_m: self.ahead.path_sigma_m(known.along.estimate().gap_m),
-            in_way: self.ahead.in_way(place, sigma_m, width_m),
+            in_way: self.ahead.belief().map(|belief| belief.in_way_at(place, sigma_m, width_m)),
             drives: true,
             approach: Approach {
                 gap_m: known.along.estimate().gap_m,

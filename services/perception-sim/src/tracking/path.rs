@@ -39,8 +39,6 @@ pub struct Across {
     pub speed_mps: f64,
     /// Standard deviation of the lateral speed, m/s.
     pub speed_sigma_mps: f64,
-    /// Standard deviation of the path's own place there, m; 0 where it is known.
-    pub path_sigma_m: f64,
     /// Probability that it is in the ego's way, where that is doubtful.
     pub in_way: Option<f64>,
     /// It drives along the road.
@@ -69,7 +67,6 @@ impl Across {
             lateral_m,
             speed_mps: 0.0,
             speed_sigma_mps: 0.0,
-            path_sigma_m: 0.0,
             in_way: None,
             drives: false,
             approach,
@@ -78,15 +75,12 @@ impl Across {
 }
 
 impl Across {
-    /// The same beside a path whose place, m, and whose heading, as a lateral speed, m/s, have these standard
-    /// deviations.
+    /// The same beside a path that is believed. The standard deviation of the path's heading, as a lateral speed, is
+    /// `crossing_mps`.
     #[must_use]
-    pub fn on_course(self, path_sigma_m: f64, crossing_mps: f64) -> Self {
-        if path_sigma_m == 0.0 {
-            return self;
-        }
+    pub fn on_course(self, in_way: f64, crossing_mps: f64) -> Self {
         let speed_sigma_mps = libm::hypot(self.speed_sigma_mps, crossing_mps);
-        Self { path_sigma_m, speed_sigma_mps, ..self }
+        Self { in_way: Some(in_way), speed_sigma_mps, ..self }
     }
 }
 
@@ -182,7 +176,7 @@ impl PathLimits {
             let is_beyond = !stays && !self.still_comes(across);
             membership.beyond_s = if is_beyond { membership.beyond_s + dt_s } else { 0.0 };
             // The course lags behind a curve's begin, and takes the lead out of the path for some scans.
-            let waits_s = if across.path_sigma_m > 0.0 { self.numbers.course_leave_s } else { 0.0 };
+            let waits_s = if in_way.is_some() { self.numbers.course_leave_s } else { 0.0 };
             membership.in_path &= !is_beyond || membership.beyond_s < waits_s;
         }
     }
@@ -201,8 +195,7 @@ impl PathLimits {
     fn cuts_in(&self, across: &Across) -> bool {
         let Numbers { wandering_mps, inward_sigma, course_inward_sigma, .. } = self.numbers;
         // Corrections of an estimated course last for some scans, and look like a motion across it.
-        let on_course = across.path_sigma_m > 0.0;
-        let inward_sigma = if on_course { course_inward_sigma } else { inward_sigma };
+        let inward_sigma = if across.in_way.is_some() { course_inward_sigma } else { inward_sigma };
         let inward_mps = -across.speed_mps * across.lateral_m.signum();
         inward_mps > wandering_mps.max(inward_sigma * across.speed_sigma_mps)
             && across.lateral_m.abs() - inward_mps * self.predict_s < VEHICLE_WIDTH_M
@@ -310,7 +303,7 @@ mod tests {
         assert!(!within(&moving(2.0, -0.25)), "it wanders in its lane");
         let vague = Across { speed_sigma_mps: 0.6, ..moving(2.7, -1.0) };
         assert!(!within(&vague), "the motion is not certain");
-        let on_course = |speed_mps: f64| moving(2.7, speed_mps).on_course(0.2, 0.24);
+        let on_course = |speed_mps: f64| moving(2.7, speed_mps).on_course(0.1, 0.24);
         assert!(within(&on_course(-1.2)) && !within(&on_course(-1.0)), "the course is not certain");
     }
 
@@ -322,7 +315,6 @@ mod tests {
                 lateral_m,
                 speed_mps: -1.0,
                 speed_sigma_mps: 0.1,
-                path_sigma_m: 0.0,
                 in_way: None,
                 drives: true,
                 approach,
@@ -363,8 +355,8 @@ mod tests {
     #[test]
     fn an_estimated_path_is_left_after_a_time() {
         let (limits, mut membership) = (limits(), limits().long_known(0.0));
-        let mut scans_in_path = |lateral_m: f64, scans: u32| {
-            let across = Across::resting(lateral_m).on_course(0.1, 0.0);
+        let mut scans_in_path = |in_way: f64, scans: u32| {
+            let across = Across::resting(0.0).on_course(in_way, 0.0);
             (0..scans)
                 .filter(|_| {
                     limits.observe(&mut membership, &across, 0.05);
@@ -372,9 +364,9 @@ mod tests {
                 })
                 .count()
         };
-        assert_eq!(scans_in_path(2.4, 9), 9, "it may come back");
-        assert_eq!(scans_in_path(2.0, 1), 1);
-        let stays = scans_in_path(2.4, 20);
+        assert_eq!(scans_in_path(0.1, 9), 9, "it may come back");
+        assert_eq!(scans_in_path(0.3, 1), 1);
+        let stays = scans_in_path(0.1, 20);
         assert!((9..=10).contains(&stays), "{stays} scans");
     }
 
@@ -405,9 +397,8 @@ mod tests {
     #[test]
     fn a_heading_that_is_not_known_makes_a_lateral_speed_uncertain() {
         let across = Across { speed_sigma_mps: 0.3, ..Across::resting(1.0) };
-        let on_course = across.on_course(0.2, 0.4);
-        assert!((on_course.speed_sigma_mps - 0.5).abs() < 1e-12 && on_course.path_sigma_m == 0.2);
-        assert_eq!(across.on_course(0.0, 0.4), across, "the path is known");
+        let on_course = across.on_course(0.7, 0.4);
+        assert!((on_course.speed_sigma_mps - 0.5).abs() < 1e-12 && on_course.in_way == Some(0.7));
     }
 
     /// In the path for its motion: it goes on at half of the speed, and for twice the time.

@@ -159,12 +159,6 @@ impl RoadAhead {
         }
     }
 
-    /// The road ahead is estimated at all; otherwise it is straight.
-    #[must_use]
-    pub fn is_used(&self) -> bool {
-        !matches!(self.way, Way::Straight)
-    }
-
     /// The belief; `None` of a straight path and a circle.
     #[must_use]
     pub fn belief(&self) -> Option<&Belief> {
@@ -194,37 +188,13 @@ impl RoadAhead {
         }
     }
 
-    /// The same for the choice of the target. A circle is followed as it is. How the road leaves it is unknown, and the
-    /// limits of a known path decide.
-    #[must_use]
-    pub fn path_sigma_m(&self, sigma_m: f64) -> f64 {
-        self.belief().map_or(0.0, |belief| belief.sigma_m(sigma_m))
-    }
-
-    /// Standard deviation of the course's heading at an arc length, rad, for the choice of the target.
-    #[must_use]
-    pub fn heading_sigma_rad(&self, sigma_m: f64) -> f64 {
-        self.belief().map_or(0.0, |belief| belief.heading_sigma_rad(sigma_m))
-    }
-
-    /// Probability that an object at a place of the course is in the ego's way; `None` where the path is known or a
-    /// circle. The object is known across the road to `sigma_m`, and `width_m` wide.
-    #[must_use]
-    pub fn in_way(&self, (gap_m, d_m): (f64, f64), sigma_m: f64, width_m: f64) -> Option<f64> {
-        let belief = self.belief()?;
-        Some(belief.in_way(belief.course().place(gap_m, d_m), sigma_m, width_m))
-    }
-
     /// What stands at a place of the course is beside the ego's way.
     #[must_use]
     pub fn is_aside(&self, place: (f64, f64), sigma_m: f64, numbers: &Numbers) -> bool {
         let off_m = place.1.abs() - numbers.standing_half_width_m;
-        let doubt_m = 3.0 * self.path_sigma_m(place.0);
-        off_m > doubt_m
-            || off_m > 0.0
-                && self
-                    .in_way(place, sigma_m, numbers.first_width_m)
-                    .is_none_or(|probability| probability < UNLIKELY)
+        let Some(belief) = self.belief() else { return off_m > 0.0 };
+        off_m > 3.0 * belief.sigma_m(place.0)
+            || off_m > 0.0 && belief.in_way_at(place, sigma_m, numbers.first_width_m) < UNLIKELY
     }
 
     /// Heading, rad, curvature, 1/m, and its rate, 1/m², of a clothoid. It begins as the course does, and is at the
@@ -238,12 +208,6 @@ impl RoadAhead {
         let rate_perm2 =
             (bent_m - 0.5 * curvature_perm * FAR_M * FAR_M) * 6.0 / (FAR_M * FAR_M * FAR_M);
         [heading_rad, curvature_perm, rate_perm2]
-    }
-
-    /// Standing objects and pairs of trail points that the belief uses.
-    #[must_use]
-    pub fn used(&self) -> (u32, u32) {
-        self.belief().map_or((0, 0), Belief::used)
     }
 }
 
@@ -262,15 +226,13 @@ mod tests {
             assert_ne!(ahead.find_blind(0.05, &motion, None), before, "the ego has moved");
             ahead.leave_trail(7, (60.0, 0.0), 0.0);
         }
-        assert_eq!(ahead.used(), (0, 2), "two pairs of the trail");
         let belief = ahead.belief().expect("it looks ahead");
-        assert!(ahead.is_used() && !ahead.course().is_straight());
+        assert_eq!(belief.used(), (0, 2), "two pairs of the trail");
+        assert!(!ahead.course().is_straight());
         assert_eq!(ahead.sigma_m(50.0), belief.sigma_m(50.0));
-        assert_eq!(ahead.path_sigma_m(50.0), ahead.sigma_m(50.0));
-        assert_eq!(ahead.heading_sigma_rad(50.0), belief.heading_sigma_rad(50.0));
         assert!(ahead.sigma_m(10.0) > 0.05 && ahead.sigma_m(100.0) > 2.0 * ahead.sigma_m(10.0));
         let point_m = ahead.course().place(50.0, 1.0);
-        assert_eq!(ahead.in_way((50.0, 1.0), 0.2, 1.8), Some(belief.in_way(point_m, 0.2, 1.8)));
+        assert_eq!(belief.in_way_at((50.0, 1.0), 0.2, 1.8), belief.in_way(point_m, 0.2, 1.8));
         assert!(ahead.clothoid()[1] > 1e-4, "a curve to the left");
     }
 
@@ -279,8 +241,8 @@ mod tests {
         let numbers = &Numbers::DEFAULT;
         let straight = RoadAhead::new(Sources::default());
         let aside = |d_m: f64| straight.is_aside((60.0, d_m), 0.2, numbers);
-        assert!(aside(2.1) && !aside(-1.9) && !straight.is_used());
-        assert_eq!((straight.sigma_m(50.0), straight.in_way((50.0, 0.0), 0.1, 1.8)), (0.0, None));
+        assert!(aside(2.1) && !aside(-1.9) && straight.course().is_straight());
+        assert!(straight.sigma_m(50.0) == 0.0 && straight.belief().is_none());
         let mut doubtful = RoadAhead::new(TRAILS);
         let motion = doubtful.motion(20.0, Some(0.0));
         (0..20).for_each(|_| {

@@ -302,7 +302,6 @@ impl DetectedTrack {
             lateral_m: self.across.position_m(),
             speed_mps: self.across.speed_mps(),
             speed_sigma_mps: self.across.speed_sigma_mps(),
-            path_sigma_m: 0.0,
             in_way: None,
             drives: false,
             approach: Approach {

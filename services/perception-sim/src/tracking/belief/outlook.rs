@@ -96,6 +96,12 @@ impl Belief {
         self.particles.iter().map(among).sum::<f64>() / COUNT as f64
     }
 
+    /// The same of an object at a place of the course: its arc length and the distance to the left, m.
+    #[must_use]
+    pub fn in_way_at(&self, (gap_m, d_m): (f64, f64), sigma_m: f64, width_m: f64) -> f64 {
+        self.in_way(self.course.place(gap_m, d_m), sigma_m, width_m)
+    }
+
     /// Distance of a point of the body's axes to the left of the lane's middle, m, with its standard deviation.
     #[must_use]
     pub fn beside_m(&self, point_m: (f64, f64)) -> (f64, f64) {
