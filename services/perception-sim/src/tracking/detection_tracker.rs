@@ -143,7 +143,7 @@ impl DetectionTracker {
         self.begin();
         let life = self.life.with_sight(self.sight.share());
         unite(&mut self.tracks, self.ahead.course(), &life, self.model.numbers());
-        self.end_images(ego.speed_mps);
+        self.end_images();
         self.lose(dt_s, ego);
         self.confirm(&life, dt_s, ego.speed_mps);
         self.leave_trails();
@@ -299,14 +299,13 @@ impl DetectionTracker {
     }
 
     /// Ends what could be the mirror image of another track before it is confirmed.
-    fn end_images(&mut self, ego_mps: f64) {
-        let seen_on = (self.ahead.course(), ego_mps);
+    fn end_images(&mut self) {
         let mut place = 0;
         while place < self.tracks.len() {
             let track = &self.tracks[place];
             let mut others = self.tracks.iter();
             if track.id == 0
-                && others.any(|other| mirror::is_image(track, other, seen_on, self.model.numbers()))
+                && others.any(|other| mirror::is_image(track, other, self.model.numbers()))
             {
                 self.tracks.remove(place);
             } else {
