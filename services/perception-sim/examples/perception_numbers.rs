@@ -133,7 +133,7 @@ impl Drive {
         numbers: &TrackerNumbers,
         sums: &mut Sums,
     ) {
-        let mut tracker = DetectionTracker::with(&self.scenario, receiver, numbers);
+        let mut tracker = DetectionTracker::new(&self.scenario, receiver, numbers);
         let mut ego_speed = EgoSpeed::new(numbers);
         let mut quality = Quality::new(&self.scenario);
         for (k, (scene, detections)) in self.truth.iter().zip(scans).enumerate() {

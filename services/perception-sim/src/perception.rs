@@ -91,7 +91,7 @@ impl Perception {
             ))),
             RadarModel::Detections => {
                 let radar = DetectionRadar::new(scenario);
-                let tracker = DetectionTracker::with(scenario, radar.receiver(), numbers);
+                let tracker = DetectionTracker::new(scenario, radar.receiver(), numbers);
                 Sensor::Detections(Box::new((radar, tracker)))
             }
         };

@@ -59,15 +59,9 @@ pub struct DetectionTracker {
 }
 
 impl DetectionTracker {
-    /// The tracker of a scenario, with the receiver's accuracy.
+    /// The tracker of a scenario, with the receiver's accuracy and the numbers, which studies vary.
     #[must_use]
-    pub fn new(scenario: &Scenario, receiver: &Receiver) -> Self {
-        Self::with(scenario, receiver, &Numbers::DEFAULT)
-    }
-
-    /// The tracker of a scenario with other numbers, for studies of their effect.
-    #[must_use]
-    pub fn with(scenario: &Scenario, receiver: &Receiver, numbers: &Numbers) -> Self {
+    pub fn new(scenario: &Scenario, receiver: &Receiver, numbers: &Numbers) -> Self {
         let perception = &scenario.perception;
         let keys = &perception.tracker;
         let radar = &perception.radar.detections;

@@ -20,7 +20,7 @@ impl Watch {
         let text = "schema_version = 1\nname = \"by-hand\"\nduration_s = 10\n";
         let scenario = Scenario::parse("by-hand", text).unwrap_or_else(|error| panic!("{error}"));
         let receiver = *DetectionRadar::new(&scenario).receiver();
-        Self { tracker: DetectionTracker::new(&scenario, &receiver), time_ns: 0 }
+        Self { tracker: DetectionTracker::new(&scenario, &receiver, &Numbers::DEFAULT), time_ns: 0 }
     }
 
     fn scan(&mut self, detections: &[Detection]) -> TrackList {
