@@ -97,7 +97,7 @@ fn curves_to(side: f64) -> Scenario {
          [road.plan]\npieces = [{{ line_m = 60 }}, {{ spiral_m = 60 }}, \
          {{ arc_m = 200, radius_m = 300, turn = \"{first}\" }}, {{ spiral_m = 80 }}, \
          {{ arc_m = 200, radius_m = 250, turn = \"{second}\" }}]\n\
-         [[actors]]\nname = \"lead\"\ngap_m = 50\ninitial_speed_mps = 20\n\
+         [[actors]]\nname = \"lead\"\ngap_m = 35\ninitial_speed_mps = 20\n\
          profile = {{ sine = {{ amplitude_mps2 = 0.8, period_s = 8 }} }}\n\
          [[actors]]\nname = \"neighbour\"\ngap_m = 30\ninitial_speed_mps = 20\n\
          lateral_offset_m = {:?}\n",
