@@ -60,8 +60,7 @@ pub const FROM_SIGHT_MPS2: f64 = 6.0;
 pub const LOST_SHARE: f64 = 0.005;
 /// `curves`: braking before a queue that is comfortable, m/s² (2026-11-28, the prices of the target selection).
 pub const COMFORT_MPS2: f64 = 2.5;
-/// `curves`: hardest braking before a queue that a law has to ask for, m/s² (2026-11-28, chosen: below the emergency
-/// brake).
+/// `curves`: hardest braking before a queue without the emergency brake, m/s² (2026-11-28, chosen).
 pub const HARD_MPS2: f64 = 4.5;
 /// `everyday`: braking beyond which there is a need, m/s² (2026-11-26, chosen: the moderate stop of the gateway).
 pub const NEED_MPS2: f64 = ReferenceDriver::NEED_MPS2;

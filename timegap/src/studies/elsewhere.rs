@@ -3,6 +3,7 @@
 use crate::cli::{Cli, Command};
 use clap::CommandFactory;
 use std::ffi::OsString;
+use std::fmt::Display;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{self, ExitCode};
@@ -33,35 +34,28 @@ pub fn hand_over(words: &[OsString]) -> Result<(), Error> {
     let command = Cli::command();
     let word = words.get(1).and_then(|word| command.find_subcommand(word));
     match word.filter(|word| word.get_arguments().any(|argument| argument.get_id() == "words")) {
-        Some(word) => Err(go_on(words, word.get_name())),
+        Some(word) => go_on(words, word.get_name()),
         None => Ok(()),
     }
 }
 
 /// Returns only where the other program cannot be started.
-fn go_on(words: &[OsString], word: &str) -> Error {
-    let own = match std::env::current_exe() {
-        Ok(own) => own,
-        Err(reason) => return Error::path("find", Path::new("this program"))(reason),
-    };
+fn go_on(words: &[OsString], word: &str) -> Result<(), Error> {
+    let usage =
+        |why: &dyn Display, expected| UsageError::at(format_args!("timegap {word}"), why, expected);
+    let own = std::env::current_exe().map_err(Error::path("find", Path::new("this program")))?;
     let other = own.with_file_name("timegap-studies");
     // `cargo run` has built this program alone.
-    if std::env::var_os("CARGO_MANIFEST_DIR").is_some_and(|it| it == env!("CARGO_MANIFEST_DIR"))
-        && let Err(why) = build(&own, !other.exists())
-    {
-        return UsageError::at(format_args!("timegap {word}"), why, "a build without errors")
-            .into();
+    if std::env::var_os("CARGO_MANIFEST_DIR").is_some_and(|it| it == env!("CARGO_MANIFEST_DIR")) {
+        build(&own, !other.exists()).map_err(|why| usage(&why, "a build without errors"))?;
     }
     let reason = process::Command::new(&other).arg0(&words[0]).args(&words[1..]).exec();
     if reason.kind() != std::io::ErrorKind::NotFound {
-        return Error::path("start", &other)(reason);
+        return Err(Error::path("start", &other)(reason));
     }
-    UsageError::at(
-        format_args!("timegap {word}"),
-        format_args!("it is in another program, and {} is not there", other.display()),
-        "one program with all: `cargo install --path timegap --locked --features studies --bin timegap`",
-    )
-    .into()
+    let why = format_args!("it is in another program, and {} is not there", other.display());
+    let all = "one program with all: `cargo install --path timegap --locked --features studies --bin timegap`";
+    Err(usage(&why, all).into())
 }
 
 /// Builds the other program beside this one, as `cargo run` built this one.

@@ -3,8 +3,6 @@
 //! Each column of pixels keeps its first, lowest, highest and last point (Jugel et al. 2014, "M4"). So no spike is
 //! lost. Then points on the straight line between their neighbours are dropped.
 
-use std::ops::Range;
-
 /// Invisible distance from a straight line, px.
 const UNSEEN: f64 = 0.5;
 /// Most points that one straight line replaces: between them a reader can point at values.
@@ -13,45 +11,34 @@ const LONGEST: usize = 64;
 /// Indices of the points to keep, in order. Each gap of points that are not finite keeps one of them. With
 /// `steps`, where each value holds until the next point, repeated values are dropped.
 pub fn kept(px: &[(f64, f64)], steps: bool) -> Vec<usize> {
-    let is_point = |index: usize| px[index].0.is_finite() && px[index].1.is_finite();
+    let is_point = |point: &(f64, f64)| point.0.is_finite() && point.1.is_finite();
     let (mut kept, mut begin) = (Vec::new(), 0);
-    while begin < px.len() {
-        let mut end = begin + 1;
-        while end < px.len() && is_point(end) == is_point(begin) {
-            end += 1;
-        }
-        if is_point(begin) {
-            straighten(px, &extremes(px, begin..end), steps, &mut kept);
+    for run in px.chunk_by(|a, b| is_point(a) == is_point(b)) {
+        if is_point(&run[0]) {
+            straighten(px, &extremes(run, begin), steps, &mut kept);
         } else {
             kept.push(begin);
         }
-        begin = end;
+        begin += run.len();
     }
     kept
 }
 
-/// First, lowest, highest and last point of each column, each once, in order of arrival.
-fn extremes(px: &[(f64, f64)], run: Range<usize>) -> Vec<usize> {
-    let (mut kept, mut begin) = (Vec::new(), run.start);
-    while begin < run.end {
-        let column = px[begin].0.floor();
-        let (mut lowest, mut highest, mut end) = (begin, begin, begin + 1);
-        while end < run.end && px[end].0.floor() == column {
-            if px[end].1.total_cmp(&px[lowest].1).is_lt() {
-                lowest = end;
-            }
-            if px[end].1.total_cmp(&px[highest].1).is_ge() {
-                highest = end;
-            }
-            end += 1;
-        }
-        for index in [begin, lowest.min(highest), lowest.max(highest), end - 1] {
-            if kept.last() != Some(&index) {
-                kept.push(index);
-            }
-        }
-        begin = end;
+/// First, lowest, highest and last point of each column, each once, in order of arrival. The run's first point has the
+/// index `begin`.
+fn extremes(run: &[(f64, f64)], mut begin: usize) -> Vec<usize> {
+    let mut kept = Vec::new();
+    for column in run.chunk_by(|a, b| a.0.floor() == b.0.floor()) {
+        let by_height = |a: &usize, b: &usize| column[*a].1.total_cmp(&column[*b].1);
+        let indices = 0..column.len();
+        let lowest = indices.clone().min_by(by_height).unwrap_or_default();
+        let highest = indices.max_by(by_height).unwrap_or_default();
+        kept.extend(
+            [0, lowest.min(highest), lowest.max(highest), column.len() - 1].map(|at| begin + at),
+        );
+        begin += column.len();
     }
+    kept.dedup();
     kept
 }
 
