@@ -33,7 +33,7 @@ fn capture(path: &Path, seconds: u64) {
     for tenth in 0..10 * seconds {
         let time_ns = tenth * SECOND_NS / 10;
         let unix_ns = SIMULATED_START_NS + time_ns as i64;
-        for frame in units.at(time_ns, SIMULATED_START_NS, None).expect("there is room") {
+        for frame in units.at(time_ns, SIMULATED_START_NS, None, None).expect("there is room") {
             writer.write(unix_ns, frame.station, &frame.bytes).expect("a file");
             if tenth % 10 == 0 && frame.station == 100_001 {
                 let (mut profile, mut port) = (frame.bytes.clone(), frame.bytes.clone());
@@ -97,7 +97,7 @@ fn frames_of_others_are_counted_under_their_own_verdicts() {
     for tenth in 0..160_u64 {
         let time_ns = tenth * SECOND_NS / 10;
         let unix_ns = SIMULATED_START_NS + time_ns as i64;
-        for frame in units.at(time_ns, SIMULATED_START_NS, None).expect("there is room") {
+        for frame in units.at(time_ns, SIMULATED_START_NS, None, None).expect("there is room") {
             writer.write(unix_ns, frame.station, &frame.bytes).expect("a file");
         }
         for (port, name) in others.into_iter().filter(|_| tenth % 10 == 5) {

@@ -97,7 +97,7 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
             let corridor = scenario::Scenario::parse("corridor", corridor).expect("it is right");
             let units = v2x_sim::frames::Frames::new(&corridor);
             let start_ns = scenario::radio::SIMULATED_START_NS;
-            let sent = units.at(0, start_ns, None).expect("there is room");
+            let sent = units.at(0, start_ns, None, None).expect("there is room");
             sent.into_iter().map(|frame| frame.bytes).collect()
         }
         "storyboard" => (0..20).map(|seed: u8| (0..240).map(|i: u8| i ^ seed).collect()).collect(),

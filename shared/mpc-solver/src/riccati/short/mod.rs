@@ -120,7 +120,7 @@ impl Short {
                 inputs[member.left] = if member.sign > 0.0 { problem.u_max } else { problem.u_min };
             }
         }
-        problem.roll_out(inputs, point.states);
+        roll_out(problem, inputs, point.states);
         Some(rounds)
     }
 
@@ -317,6 +317,23 @@ fn solve_in(short: &mut Short, problem: &Problem, start: ShortStart) -> Option<u
         // At zero it would have to be released first.
         short.enter(problem, member, f64::MIN_POSITIVE)?;
         rounds += 1;
+    }
+}
+
+/// [`Problem::roll_out`], with the sums in an order in which a state waits for two of them alone.
+fn roll_out(problem: &Problem, inputs: &[f64], states: &mut [[f64; 3]]) {
+    let (a, b) = (&problem.a, &problem.b);
+    let mut x = problem.x0;
+    states[0] = x;
+    for (k, u) in inputs[..problem.horizon].iter().enumerate() {
+        let d = &problem.d[k];
+        let given = [b[0] * u + d[0], b[1] * u + d[1], b[2] * u + d[2]];
+        x = [
+            a[0][0] * x[0] + (a[0][1] * x[1] + (a[0][2] * x[2] + given[0])),
+            a[1][1] * x[1] + (a[1][2] * x[2] + given[1]),
+            a[2][2] * x[2] + given[2],
+        ];
+        states[k + 1] = x;
     }
 }
 
