@@ -4,9 +4,12 @@
 //! faults, and so both are checked.
 
 use crate::protocol::SUBPROTOCOLS;
-use crate::viewer::PATIENCE;
 use std::net::{SocketAddr, TcpStream};
+use std::time::Duration;
 use std::{fs, io};
+
+/// Time without room in a viewer's connection after which it is dropped.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Reason why a client is refused or dropped.
 #[derive(Debug, thiserror::Error)]

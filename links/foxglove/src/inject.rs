@@ -1,7 +1,6 @@
 //! Requests of a viewer to a run: its keys as parameters, and a service that injects faults.
 
-use crate::protocol::{Parameter, advertise_service};
-use crate::server::Answer;
+use crate::protocol::{Answer, Parameter, advertise_service};
 use scenario::faults::{self, Kind, keys_of};
 use scenario::schema::Shape;
 use serde_json::{Value, json};

@@ -18,6 +18,7 @@
 //! * [`serve`]: the bridge of a run in progress, or of a recording
 
 mod guard;
+mod hub;
 mod inject;
 mod live;
 mod protocol;
@@ -26,8 +27,8 @@ mod server;
 mod viewer;
 
 pub use live::{run, serve};
-pub use protocol::Parameter;
-pub use server::{Answer, Server, Subject};
+pub use protocol::{Answer, Parameter, Subject};
+pub use server::Server;
 
 use supervise::UsageError;
 

@@ -2,8 +2,9 @@
 
 use crate::inject::{announcement, injector, parameters};
 use crate::port;
+use crate::protocol::Subject;
 use crate::recorded::{hand_on, play};
-use crate::server::{Server, Subject};
+use crate::server::Server;
 use messages::Header;
 use recorder::{
     Encoder, FILE, FromRecorder, Metadata, Recording, Start, Taps, ToRecorder, orders, say,

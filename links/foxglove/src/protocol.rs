@@ -2,7 +2,6 @@
 //!
 //! <https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md>
 
-use crate::server::Subject;
 use recorder::Channel;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -21,6 +20,23 @@ pub(crate) const SERVICE: u32 = 1;
 
 /// Name and value of what viewers may read: a number, a text, a truth value, or a list of them.
 pub type Parameter = (String, Value);
+
+/// Answers a request of the service; an error is for the viewer's user.
+pub type Answer = Box<dyn Fn(&[u8]) -> Result<Vec<u8>, String> + Send + Sync>;
+
+/// The offer to viewers.
+pub struct Subject {
+    /// Name of the server.
+    pub name: String,
+    /// Another one for each run: a viewer that comes back knows whether it sees the same run.
+    pub session: String,
+    /// Channels, by the numbers that their messages have.
+    pub channels: Vec<Channel>,
+    /// Values that do not change.
+    pub parameters: Vec<Parameter>,
+    /// The announcement of a service, and the function that answers.
+    pub service: Option<(String, Answer)>,
+}
 
 impl Subject {
     /// Texts for a viewer that has connected.

@@ -1,116 +1,21 @@
-//! The server: its port, its viewers, and the messages that wait for them.
+//! The server: its port, and its viewers.
 //!
 //! ```text
 //! run ─► newest 16 MiB of messages ─┬─► viewer: its place among them, its subscriptions
 //!                                   └─► viewer
 //! ```
 
-use crate::protocol::{self, Parameter};
+use crate::hub::{Hub, Sent, lock, report};
+use crate::protocol::Subject;
 use crate::viewer;
-use recorder::Channel;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// Most bytes of messages that wait for viewers; beyond them the oldest are lost.
-const MOST_WAITING: usize = 16 << 20;
 /// Most viewers at a time, those that only connect included.
 const MOST_VIEWERS: usize = 16;
-
-/// Answers a request of the service; an error is for the viewer's user.
-pub type Answer = Box<dyn Fn(&[u8]) -> Result<Vec<u8>, String> + Send + Sync>;
-
-/// The offer to viewers.
-pub struct Subject {
-    /// Name of the server.
-    pub name: String,
-    /// Another one for each run: a viewer that comes back knows whether it sees the same run.
-    pub session: String,
-    /// Channels, by the numbers that their messages have.
-    pub channels: Vec<Channel>,
-    /// Values that do not change.
-    pub parameters: Vec<Parameter>,
-    /// The announcement of a service, and the function that answers.
-    pub service: Option<(String, Answer)>,
-}
-
-/// A message on its way to viewers.
-#[derive(Debug)]
-struct Sent {
-    /// Its channel; none for the time alone.
-    channel: Option<u16>,
-    unix_ns: u64,
-    payload: Vec<u8>,
-}
-
-impl Sent {
-    /// Bytes that it takes in the queue.
-    fn bytes(&self) -> usize {
-        size_of::<Self>() + self.payload.len()
-    }
-}
-
-/// Channels by the numbers that a viewer gave its subscriptions.
-pub(crate) type Subscriptions = BTreeMap<u32, u16>;
-
-/// All that the threads of a server share.
-#[derive(Debug, Default)]
-pub(crate) struct Hub {
-    sent: VecDeque<Sent>,
-    bytes: usize,
-    /// Messages that were dropped from the front of `sent`.
-    dropped: u64,
-    /// Viewers by their numbers.
-    pub(crate) viewers: BTreeMap<u64, Subscriptions>,
-    newest: u64,
-    /// The connections end with these words, when all else is written.
-    pub(crate) end: Option<String>,
-}
-
-pub(crate) fn lock(hub: &Mutex<Hub>) -> MutexGuard<'_, Hub> {
-    hub.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Hub {
-    fn put(&mut self, message: Sent) {
-        self.bytes += message.bytes();
-        self.sent.push_back(message);
-        while self.bytes > MOST_WAITING
-            && let Some(oldest) = self.sent.pop_front()
-        {
-            self.bytes -= oldest.bytes();
-            self.dropped += 1;
-        }
-    }
-
-    /// Number of the message that is sent next.
-    pub(crate) fn next(&self) -> u64 {
-        self.dropped + self.sent.len() as u64
-    }
-
-    /// Message number `*next` in the viewer's words, once for each of its subscriptions, or `None` if it was not sent
-    /// yet. `*next` moves on. True beside the words if messages before it are lost.
-    pub(crate) fn take(&self, viewer: u64, next: &mut u64) -> Option<(bool, Vec<Vec<u8>>)> {
-        let is_late = *next < self.dropped;
-        *next = self.dropped.max(*next);
-        let Sent { channel, unix_ns, payload } =
-            self.sent.get(usize::try_from(*next - self.dropped).ok()?)?;
-        *next += 1;
-        let own = self.viewers.get(&viewer)?;
-        let words = match channel {
-            None => own.first_key_value().map(|_| protocol::time(*unix_ns)).into_iter().collect(),
-            Some(channel) => own
-                .iter()
-                .filter(|(_, of)| *of == channel)
-                .map(|(id, _)| protocol::message_data(*id, *unix_ns, payload))
-                .collect(),
-        };
-        Some((is_late, words))
-    }
-}
 
 /// A server on 127.0.0.1. Viewers come and go; sending never waits for one.
 #[derive(Debug)]
@@ -190,36 +95,5 @@ fn welcome(stream: TcpStream, address: SocketAddr, hub: &Arc<Mutex<Hub>>, subjec
     if let Err(why) = std::thread::Builder::new().name("viewer".into()).spawn(serve) {
         lock(hub).viewers.remove(&id);
         report(address, "refused", &why.to_string());
-    }
-}
-
-/// Writes a line about a viewer, unless viewers have given reason for many.
-pub(crate) fn report(address: SocketAddr, what: &str, why: &str) {
-    const MOST: usize = 10;
-    static LINES: AtomicUsize = AtomicUsize::new(0);
-    match LINES.fetch_add(1, Ordering::Relaxed) {
-        line if line < MOST => tracing::warn!("viewer {address} was {what}: {why}"),
-        MOST => tracing::warn!("no more lines about viewers"),
-        _ => {}
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_time_alone_fills_the_queue_no_further_than_messages_do() {
-        let mut hub = Hub::default();
-        for unix_ns in 0..1_000_000 {
-            hub.put(Sent { channel: None, unix_ns, payload: Vec::new() });
-        }
-        assert!(hub.sent.len() < 500_000 && hub.next() == 1_000_000, "{}", hub.sent.len());
-        hub.viewers.insert(7, [(1, 0)].into());
-        let mut next = 0;
-        let (is_late, words) = hub.take(7, &mut next).expect("the oldest that is left");
-        assert!(is_late && words.len() == 1 && next == hub.dropped + 1);
-        let (is_late, _) = hub.take(7, &mut next).expect("the one behind it");
-        assert!(!is_late);
     }
 }

@@ -1,8 +1,8 @@
 //! One viewer: a thread that hands on what was sent, and answers what it asks for, in turns.
 
-use crate::guard::{self, Refusal};
-use crate::protocol::{self, Asked, SERVICE, SUBPROTOCOLS};
-use crate::server::{Hub, Subject, lock, report};
+use crate::guard::{self, PATIENCE, Refusal};
+use crate::hub::{Hub, lock, report};
+use crate::protocol::{self, Asked, SERVICE, SUBPROTOCOLS, Subject};
 use std::io::ErrorKind;
 use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::Mutex;
@@ -16,8 +16,6 @@ use tungstenite::{Error, HandshakeError, Message, WebSocket, accept_hdr_with_con
 
 /// Silence of a client that connects after which it is dropped.
 const HANDSHAKE: Duration = Duration::from_secs(5);
-/// Time without room in a viewer's connection after which it is dropped.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(10);
 /// Longest wait for a question before the next look at what was sent.
 const LOOK: Duration = Duration::from_millis(10);
 /// Most messages that are handed on between two looks at its questions.

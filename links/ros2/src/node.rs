@@ -2,7 +2,7 @@
 
 use bytes::Bytes;
 use messages::{LawAnswer, LawInput};
-use rustdds::dds::CreateError;
+use rustdds::dds::{CreateError, ReadError, WriteError};
 use rustdds::no_key::{DataReader, DataWriter, Decode, DefaultDecoder};
 use rustdds::no_key::{DeserializerAdapter, SerializerAdapter};
 use rustdds::policy::{Durability, History, Reliability};
@@ -12,6 +12,19 @@ use rustdds::{
 };
 use std::convert::Infallible;
 use std::net::Ipv4Addr;
+
+/// Reason why the node does not work.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum NodeError {
+    #[error("cannot join the domain: {0}")]
+    Create(CreateError),
+    #[error("cannot publish /timegap/situation: {0}")]
+    Write(WriteError<Record>),
+    #[error("cannot read /timegap/command: {0}")]
+    Read(ReadError),
+    #[error("a command of {0} bytes, expected the {ANSWER} of timegap_msgs/msg/LawAnswer")]
+    Length(usize),
+}
 
 const ANSWER: usize = size_of::<LawAnswer>();
 
@@ -27,9 +40,10 @@ pub(crate) struct Node {
 
 impl Node {
     /// Joins the domain on loopback, with ROS 2's usual quality of service.
-    pub(crate) fn open(domain: u16) -> Result<Self, CreateError> {
+    pub(crate) fn open(domain: u16) -> Result<Self, NodeError> {
         let builder = DomainParticipantBuilder::new(domain);
-        let participant = builder.with_only_networks([Ipv4Addr::LOCALHOST]).build()?;
+        let participant = builder.with_only_networks([Ipv4Addr::LOCALHOST]).build();
+        let participant = participant.map_err(NodeError::Create)?;
         let qos = QosPolicyBuilder::new()
             .reliability(Reliability::Reliable { max_blocking_time: Duration::from_millis(100) })
             .durability(Durability::Volatile)
@@ -39,35 +53,36 @@ impl Node {
             let type_name = format!("timegap_msgs::msg::dds_::{type_name}_");
             participant.create_topic(name.to_owned(), type_name, &qos, TopicKind::NoKey)
         };
-        let situation = topic("rt/timegap/situation", "LawInput")?;
-        let command = topic("rt/timegap/command", "LawAnswer")?;
-        let publisher = participant.create_publisher(&qos)?;
-        let subscriber = participant.create_subscriber(&qos)?;
-        Ok(Self {
-            situation: publisher.create_datawriter_no_key(&situation, None)?,
-            command: subscriber.create_datareader_no_key(&command, None)?,
-            _participant: participant,
-        })
+        let open = || {
+            let (situation, command) = (
+                topic("rt/timegap/situation", "LawInput")?,
+                topic("rt/timegap/command", "LawAnswer")?,
+            );
+            let publisher = participant.create_publisher(&qos)?;
+            let subscriber = participant.create_subscriber(&qos)?;
+            Ok((
+                publisher.create_datawriter_no_key(&situation, None)?,
+                subscriber.create_datareader_no_key(&command, None)?,
+            ))
+        };
+        let (situation, command) = open().map_err(NodeError::Create)?;
+        Ok(Self { situation, command, _participant: participant })
     }
 
     /// Publishes a question.
-    pub(crate) fn ask(&self, question: &[u8]) -> Result<(), String> {
+    pub(crate) fn ask(&self, question: &[u8]) -> Result<(), NodeError> {
         debug_assert_eq!(question.len(), size_of::<LawInput>());
-        let written = self.situation.write(question.to_vec(), None);
-        written.map_err(|why| format!("cannot publish /timegap/situation: {why}"))
+        self.situation.write(question.to_vec(), None).map_err(NodeError::Write)
     }
 
     /// The next answer, if one is there.
-    pub(crate) fn answer(&mut self) -> Result<Option<Record>, String> {
-        let sample = self.command.take_next_sample();
-        let sample = sample.map_err(|why| format!("cannot read /timegap/command: {why}"))?;
-        let record = sample.map(|sample| sample.into_value());
-        match record.as_ref().map_or(ANSWER, Vec::len) {
-            ANSWER => Ok(record),
-            other => {
-                let expected = format!("the {ANSWER} of timegap_msgs/msg/LawAnswer");
-                Err(format!("a command of {other} bytes, expected {expected}"))
-            }
+    pub(crate) fn answer(&mut self) -> Result<Option<Record>, NodeError> {
+        let sample = self.command.take_next_sample().map_err(NodeError::Read)?;
+        let Some(sample) = sample else { return Ok(None) };
+        let record = sample.into_value();
+        match record.len() == ANSWER {
+            true => Ok(Some(record)),
+            false => Err(NodeError::Length(record.len())),
         }
     }
 }

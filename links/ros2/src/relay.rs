@@ -1,6 +1,6 @@
 //! The program between a controller's pipes and the topics.
 
-use crate::node::Node;
+use crate::node::{Node, NodeError};
 use messages::LawInput;
 use std::ffi::OsString;
 use std::io::{Read, Write, stdin, stdout};
@@ -38,8 +38,8 @@ pub fn run(arguments: &[OsString]) -> ExitCode {
 }
 
 /// Hands questions on and answers back until the questions end.
-fn relay(domain: u16) -> Result<(), String> {
-    let mut node = Node::open(domain).map_err(|why| format!("cannot join the domain: {why}"))?;
+fn relay(domain: u16) -> Result<(), NodeError> {
+    let mut node = Node::open(domain)?;
     let (mut questions, mut answers) = (stdin().lock(), stdout().lock());
     let mut question = [0; size_of::<LawInput>()];
     let mut is_met = false;

@@ -36,8 +36,9 @@ mod world;
 
 pub use error::{ProgramError, ReadError};
 pub use lights::{Colour, Interval};
+pub use path::Light;
 pub use process::Network;
-pub use route::{Light, Limit, Route, read_route};
+pub use route::{Limit, Route, read_route};
 pub use world::{Body, Ego, Settings, World};
 
 /// Time between two steps of SUMO, ms.

@@ -9,8 +9,8 @@
 use crate::ReadError;
 use crate::demand::distance;
 use crate::net::{Connection, Lane, Net};
-use crate::route::Light;
 use crate::smooth::between;
+use serde::{Deserialize, Serialize};
 
 /// Points that are nearer to each other are one, m.
 const SAME_M: f64 = 0.02;
@@ -19,6 +19,17 @@ const CHANGE_M: f64 = 50.0;
 const CHANGE_SHARE: f64 = 0.6;
 /// Share of the edge before a change begins.
 const BEFORE_SHARE: f64 = 0.2;
+
+/// A light of the route.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Light {
+    /// The controller's id in the net.
+    pub controller: String,
+    /// Place of the ego's movement in the controller's state.
+    pub link: usize,
+    /// Place of the stop line on the axis, m.
+    pub stop_line_m: f64,
+}
 
 /// A stretch of the path from a way along its points on.
 pub struct Stretch {

@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::ReadError;
 use crate::net::Net;
+use crate::path::{self, Light};
 use crate::smooth::Smooth;
-use crate::{config, demand, path};
+use crate::{config, demand};
 
 /// Smallest radius of a route, m: turns inside of junctions are narrow.
 const MIN_RADIUS_M: f64 = 1.0;
@@ -32,17 +33,6 @@ pub struct Limit {
     /// Place on the axis, m.
     pub from_m: f64,
     pub speed_mps: f64,
-}
-
-/// A light of the route.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Light {
-    /// The controller's id in the net.
-    pub controller: String,
-    /// Place of the ego's movement in the controller's state.
-    pub link: usize,
-    /// Place of the stop line on the axis, m.
-    pub stop_line_m: f64,
 }
 
 /// A route of a net as the ego's road.

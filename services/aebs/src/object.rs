@@ -3,6 +3,8 @@
 use crate::circle::OwnWay;
 use crate::filter::Lateral;
 
+/// Most objects that are kept.
+pub(crate) const MAX_OBJECTS: usize = 64;
 /// Below this speed over ground an object stands, m/s.
 pub(crate) const STANDING_MPS: f64 = 1.0;
 /// Half of the width that is assumed of every vehicle, m.

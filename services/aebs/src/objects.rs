@@ -32,13 +32,11 @@
 use crate::circle::{Circle, OwnWay};
 use crate::collision_ahead::where_it_stands;
 use crate::decision::Path;
-use crate::object::Object;
+use crate::object::{MAX_OBJECTS, Object};
 use crate::point::Point;
 use crate::row;
 use crate::sighting::correct;
 use messages::{Detection, MAX_DETECTIONS};
-
-pub const MAX_OBJECTS: usize = 64;
 
 /// An object reaches so far behind its nearest face, m: longer ones come out as two.
 const REACH_M: f64 = 6.0;

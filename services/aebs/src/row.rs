@@ -16,7 +16,7 @@
 //! another. The best line from beside the lane competes with the best one from within it. The place is on such a row
 //! if the first holds more places. They may be farther: the last car of a queue behind a curve is the nearest one.
 
-use crate::objects::MAX_OBJECTS;
+use crate::object::MAX_OBJECTS;
 
 /// Places of a row are at least this far apart, m: one vehicle may come out as several objects.
 const APART_M: f64 = 6.0;

@@ -1,9 +1,8 @@
 //! Construction of a [`Problem`], with every check of its constant parts.
 
 use crate::error::ProblemError;
-use crate::problem::{
-    LightCost, LightStage, MAX_HORIZON, MAX_ROWS, Problem, Row, Softness, Terminal,
-};
+use crate::limits::{MAX_HORIZON, MAX_ROWS};
+use crate::problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Builds so far: solvers keep factors for the constants of one.

@@ -13,7 +13,8 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use crate::kkt::{Multipliers, Residuals, residuals};
-use crate::problem::{MAX_ROWS, Problem, Softness, Terminal};
+use crate::limits::MAX_ROWS;
+use crate::problem::{Problem, Softness, Terminal};
 use crate::solver::{Report, Solver, Start, Status};
 
 /// `c` \[m\], about the margin at which the cost matters.

@@ -1,6 +1,6 @@
 //! Faults of a problem.
 
-use crate::problem::{MAX_HORIZON, MAX_ROWS};
+use crate::limits::{MAX_HORIZON, MAX_ROWS};
 
 /// Reason why a problem cannot be built or solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

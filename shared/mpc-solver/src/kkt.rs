@@ -25,7 +25,8 @@
 
 use multiversion::multiversion;
 
-use crate::problem::{MAX_ROWS, Problem, Softness, Terminal, dot};
+use crate::limits::MAX_ROWS;
+use crate::problem::{Problem, Softness, Terminal, dot};
 
 /// Multipliers of a solution.
 #[derive(Clone, Debug, Default, PartialEq)]

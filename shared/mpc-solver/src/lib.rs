@@ -71,6 +71,7 @@ mod builder;
 mod clarabel;
 mod error;
 mod kkt;
+mod limits;
 mod problem;
 mod riccati;
 mod solver;
@@ -80,7 +81,8 @@ pub use builder::ProblemBuilder;
 pub use clarabel::Clarabel;
 pub use error::ProblemError;
 pub use kkt::{Multipliers, Residuals, residuals};
-pub use problem::{LightCost, LightStage, MAX_HORIZON, MAX_ROWS, Problem, Row, Softness, Terminal};
+pub use limits::{MAX_HORIZON, MAX_ROWS};
+pub use problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
 pub use riccati::Riccati;
 pub use solver::{Report, Solver, Start, Status};
 

@@ -2,11 +2,6 @@
 
 use crate::error::ProblemError;
 
-/// Largest horizon \[steps\].
-pub const MAX_HORIZON: usize = 1000;
-/// Largest number of rows of a problem.
-pub const MAX_ROWS: usize = 4;
-
 /// Treatment of a violated limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Softness {

@@ -33,13 +33,12 @@ pub fn print<P: Population>(
     table: &str,
     group: &GroupOptions,
 ) -> Result<(), Error> {
-    let base = figures(test, group)?;
     let measure = || figures(test, group).unwrap_or_else(|error| panic!("{error}"));
     match table {
         "following" => print_by_processes(&FOLLOWING, measure),
         "plausibility" => print_by_processes(&LIMITS, measure),
         "v2x-sim" => print_by_processes(&NUMBERS, measure),
-        table => return of_law(test, table, group, base),
+        table => return of_law(test, table, group),
     }
     Ok(())
 }
@@ -86,7 +85,6 @@ fn of_law<P: Population>(
     test: &mut Test<P>,
     table: &str,
     group: &GroupOptions,
-    base: Vec<(Figure, f64)>,
 ) -> Result<(), Error> {
     let tables = laws::tables();
     let Some(found) = tables.iter().find(|found| found.name == table) else {
@@ -94,23 +92,20 @@ fn of_law<P: Population>(
         let expected = format!("following, plausibility, v2x-sim, {}", names.join(", "));
         return Err(UsageError::option("--effects", table, "no such table", expected).into());
     };
-    let (named, base): (Vec<Figure>, Vec<f64>) = base.into_iter().unzip();
+    let (named, base): (Vec<Figure>, Vec<f64>) = figures(test, group)?.into_iter().unzip();
     named.iter().zip(&base).for_each(|(figure, value)| println!("{}", figure.text(*value)));
     let mut numbers = Vec::new();
     collect(&format!("controller.{table}."), (found.keys)(), &mut numbers);
     for (path, value) in numbers {
-        let mut tried = Vec::new();
-        for factors in [[0.5, 0.8], [2.0, 1.25]] {
-            for value in factors.map(|factor| (value * factor * 1e6).round() / 1e6) {
-                test.options.set.push(Setting::new(&path, value));
-                let changed = figures(test, group);
-                test.options.set.pop();
-                if let Ok(changed) = changed {
-                    tried.push((value, changed.into_iter().map(|(_, value)| value).collect()));
-                    break;
-                }
-            }
-        }
+        let mut measured = |factor: &f64| {
+            let value = (value * factor * 1e6).round() / 1e6;
+            test.options.set.push(Setting::new(&path, value));
+            let changed = figures(test, group);
+            test.options.set.pop();
+            Some((value, changed.ok()?.into_iter().map(|(_, value)| value).collect()))
+        };
+        let pairs = [[0.5, 0.8], [2.0, 1.25]].iter();
+        let tried: Vec<_> = pairs.filter_map(|pair| pair.iter().find_map(&mut measured)).collect();
         println!("{}", line(&path, &named, &base, &tried));
     }
     Ok(())

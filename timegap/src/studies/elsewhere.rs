@@ -33,10 +33,9 @@ pub type Print = Words;
 pub fn hand_over(words: &[OsString]) -> Result<(), Error> {
     let command = Cli::command();
     let word = words.get(1).and_then(|word| command.find_subcommand(word));
-    match word.filter(|word| word.get_arguments().any(|argument| argument.get_id() == "words")) {
-        Some(word) => go_on(words, word.get_name()),
-        None => Ok(()),
-    }
+    let elsewhere =
+        word.filter(|word| word.get_arguments().any(|argument| argument.get_id() == "words"));
+    elsewhere.map_or(Ok(()), |word| go_on(words, word.get_name()))
 }
 
 /// Returns only where the other program cannot be started.

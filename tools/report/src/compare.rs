@@ -12,13 +12,11 @@ const ALIKE_MPS: f64 = 0.01;
 pub fn overlay(runs: &[(&str, &RunPicture)]) -> String {
     let until_s = runs.iter().map(|(_, run)| run.duration_s).fold(0.0, f64::max);
     let curves = |series: fn(&RunPicture) -> &Points| -> Vec<Curve> {
-        let numbered = runs.iter().enumerate();
-        numbered
-            .map(|(index, (name, run))| {
-                Curve::new(name, Tone::Series(index), series(run).clone())
-                    .covered_by(covers(runs, index))
-            })
-            .collect()
+        let curve = |(index, (name, run)): (usize, &(&str, &RunPicture))| {
+            let curve = Curve::new(name, Tone::Series(index), series(run).clone());
+            curve.covered_by(covers(runs, index))
+        };
+        runs.iter().enumerate().map(curve).collect()
     };
     let mut speeds = curves(|run| &run.speed_mps);
     if let Some((name, run)) = runs.first() {

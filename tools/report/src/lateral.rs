@@ -36,13 +36,9 @@ impl LateralSeries {
 
 /// Mean slope over the time before each point, if a point that long before it exists.
 fn mean_slope(points: &[(f64, f64)]) -> Points {
-    let mut earlier = points.iter().peekable();
-    let mut from: Option<&(f64, f64)> = None;
     let slopes = points.iter().filter_map(|(time_s, value)| {
-        while let Some(next) = earlier.next_if(|(then_s, _)| *then_s <= time_s - JERK_S + 1e-9) {
-            from = Some(next);
-        }
-        let (then_s, before) = from?;
+        let later = points.partition_point(|(then_s, _)| *then_s <= time_s - JERK_S + 1e-9);
+        let (then_s, before) = points[..later].last()?;
         Some((*time_s, (value - before) / (time_s - then_s)))
     });
     slopes.collect()

@@ -4,7 +4,7 @@
 //! its iterate.
 
 use super::curve::{STIFFNESS, Tangent};
-use crate::problem::MAX_ROWS;
+use crate::limits::MAX_ROWS;
 
 /// Bound at which an input is held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -114,10 +114,8 @@ impl World {
                 let profile = Profile::of(profile, from_mps, self.state.time_ns);
                 self.set_pace(actor, Pace::Profile(profile), element);
             }
-            Action::Meet(meeting) => {
-                if self.can_meet(actor, meeting) {
-                    self.set_pace(actor, Pace::Meet(meeting.clone()), element);
-                }
+            Action::Meet(meeting) if self.can_meet(actor, meeting) => {
+                self.set_pace(actor, Pace::Meet(meeting.clone()), element);
             }
             Action::LaneChange { target, offset_m, transition } => {
                 if let Some(to_t_m) = self.lane_goal(actor, target) {

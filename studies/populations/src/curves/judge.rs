@@ -27,15 +27,13 @@ pub struct Sight {
     pub gap_m: f64,
     /// Speed of the ego then, m/s.
     pub speed_mps: f64,
-    /// Time from then to the first message with it as the target, s; none: never. Negative: before.
-    pub seen_after_s: Option<f64>,
-    /// Braking that stops the ego before it, from that message on, m/s²; none: it never became the target.
+    /// Braking that stops the ego before it when it becomes the target, m/s²; none: it never did.
     pub needed_mps2: Option<f64>,
 }
 
 impl Sight {
     /// Braking that stops the ego before it, from the sight on, m/s².
-    pub fn from_sight_mps2(&self) -> f64 {
+    pub fn needed_from_sight_mps2(&self) -> f64 {
         stopping_mps2(self.speed_mps, self.gap_m)
     }
 }
@@ -97,7 +95,7 @@ impl Facts {
 
     /// A queue in the lane became the target too late for hard braking, or never, though it suffices from sight.
     pub fn is_seen_late(&self) -> bool {
-        let is_in_time = self.sight.is_none_or(|sight| sight.from_sight_mps2() <= HARD_MPS2);
+        let is_in_time = self.sight.is_none_or(|sight| sight.needed_from_sight_mps2() <= HARD_MPS2);
         is_in_time && self.needs_more_than(HARD_MPS2)
     }
 
@@ -109,7 +107,7 @@ impl Facts {
 
 /// The run ended in a collision that braking from sight avoids.
 pub fn is_avoidable(drive: &Drive<Facts>) -> bool {
-    let stops = |sight: &Sight| sight.from_sight_mps2() < FROM_SIGHT_MPS2;
+    let stops = |sight: &Sight| sight.needed_from_sight_mps2() < FROM_SIGHT_MPS2;
     // A collision without sight of the vehicle is not the queue's: nothing had to be hit.
     drive.outcome == Outcome::Collision && drive.facts.sight.as_ref().is_none_or(stops)
 }
@@ -135,20 +133,14 @@ fn sight(
         is_in_view.then_some((scan, lead))
     })?;
     let target = |judged: &&JudgedScan| judged.owner == Some(Owner::Vehicle(lead.vehicle));
-    let seen = scans.iter().find(target).and_then(|judged| {
-        let scene = scenes.iter().find(|scene| scene.time_s == judged.time_s)?;
-        let gap_m = judged.lead.map_or(0.0, |lead| lead.gap_m);
-        Some((
-            scene.seen?.published_s - scan.time_s,
-            stopping_mps2(speed_mps(judged.time_s), gap_m),
-        ))
-    });
+    let needed = |judged: &JudgedScan| {
+        stopping_mps2(speed_mps(judged.time_s), judged.lead.map_or(0.0, |lead| lead.gap_m))
+    };
     Some(Sight {
         at_s: scan.time_s,
         gap_m: lead.gap_m,
         speed_mps: speed_mps(scan.time_s),
-        seen_after_s: seen.map(|(after_s, _)| after_s),
-        needed_mps2: seen.map(|(_, needed_mps2)| needed_mps2),
+        needed_mps2: scans.iter().find(target).map(needed),
     })
 }
 
@@ -184,7 +176,6 @@ mod tests {
         let scans: Vec<_> = scenes.iter().map(|scene| scan(scene.time_s)).collect();
         let found = sight(&scenes, &scans, &Radar::default(), &|_| 15.0).expect("it is in sight");
         assert_eq!((found.at_s, found.speed_mps), (2.0, 15.0));
-        assert!((found.seen_after_s.expect("it is seen") - 1.05).abs() < 1e-9);
-        assert_eq!((found.needed_mps2, found.from_sight_mps2()), (Some(1.875), 1.875));
+        assert_eq!((found.needed_mps2, found.needed_from_sight_mps2()), (Some(1.875), 1.875));
     }
 }

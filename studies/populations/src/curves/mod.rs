@@ -124,7 +124,7 @@ impl Population for Curves {
                 |all| json!(all.all.iter().map(|drive| phantoms(drive)).sum::<u64>());
             count("beside", "", "Drives beside a queue").hidden() => |all| json!(all.count(|drive| drive.is(BESIDE)));
             share("lead_lost.roads_share", "roads with losses", ROADS).weight(2) =>
-                |all| json!(all.share(|drive| is_lost_often(drive), |drive| drive.is(ROAD)));
+                |all| json!(all.share(is_lost_often, |drive| drive.is(ROAD)));
             share("braked_share", "braked beside", BRAKED) =>
                 |all| json!(all.share(|drive| drive.facts.is_braked(), |drive| drive.is(BESIDE)));
             count("in_lane", "", "Drives with a queue in the lane").hidden() =>
@@ -136,8 +136,6 @@ impl Population for Curves {
             share("beyond_comfort_share", "beyond comfort", BEYOND_COMFORT) =>
                 |all| json!(all.share(|drive| drive.facts.is_beyond_comfort(), |drive| drive.is(IN_LANE)));
             count("seen_late", "seen late", LATE).less() => |all| json!(all.count(is_seen_late));
-            number("seen_after_p99_s", "seen after, p99", "s", 2, SEEN).less().weight(1) =>
-                |all| json!(all.quantile(0.99, |drive| drive.is(IN_LANE).then(|| seen_after_s(drive))));
             number("largest_lateral_mps2", "lateral", "m/s²", 2, "Largest lateral acceleration").weight(2) =>
                 |all| json!(all.most(|drive| Some(drive.facts.largest_lateral_mps2)));
         }
@@ -194,12 +192,7 @@ fn is_seen_late(drive: &Drive<Facts>) -> bool {
 /// The lead was lost for a larger share of the time on this road than is accepted over all roads.
 fn is_lost_often(drive: &Drive<Facts>) -> bool {
     let sums = drive.facts.sums(None);
-    drive.is(ROAD) && sums.lost_s > LOST_SHARE * sums.lead_s
-}
-
-/// Time from sight of a queue to the target, s; infinite if it never became one.
-fn seen_after_s(drive: &Drive<Facts>) -> f64 {
-    drive.facts.sight.and_then(|sight| sight.seen_after_s).unwrap_or(f64::INFINITY)
+    sums.lost_s > LOST_SHARE * sums.lead_s
 }
 
 /// Sums over the random roads, of the part of the curves that the row names.
@@ -228,13 +221,10 @@ const TAKEN_PER_KM: &str = "Number of times per km that such a vehicle became th
 const NOTHING: &str = "Share of the time in which the target is not a vehicle";
 const PHANTOMS: &str = "Interventions of the emergency brake on random roads and beside queues";
 const BRAKED: &str = "Share of the drives beside a queue with a request below -1.5 m/s²";
-const ROADS: &str =
-    "Share of the random roads on which the lead is lost for more than 0.5 % of the time";
+const ROADS: &str = "Share of the roads with the lead lost for more than 0.5 % of the time";
 const BEYOND_COMFORT: &str = "Share of the queues in the lane that became the target when more than 2.5 m/s² was needed, or never";
 const LATE: &str = "Queues in the lane that became the target when more than 4.5 m/s² was needed, or never; those that \
      need more from sight do not count";
-const SEEN: &str =
-    "Time from sight to the target that 99 % of the queues kept; null where more never became one";
 
 #[cfg(test)]
 mod tests {
@@ -245,13 +235,7 @@ mod tests {
     /// A drive without a finding.
     fn example(scene: &str, sources: &str) -> Drive<Facts> {
         let road = Sums { time_s: 200.0, km: 5.0, lead_s: 150.0, ..Sums::default() };
-        let sight = Sight {
-            at_s: 3.0,
-            gap_m: 150.0,
-            speed_mps: 20.0,
-            seen_after_s: Some(0.4),
-            needed_mps2: Some(1.4),
-        };
+        let sight = Sight { at_s: 3.0, gap_m: 150.0, speed_mps: 20.0, needed_mps2: Some(1.4) };
         let facts = Facts {
             places: [road, Sums::default(), Sums::default(), Sums::default()],
             lowest_request_mps2: Some(-0.4),
@@ -287,7 +271,7 @@ mod tests {
             (&found["phantom_interventions"], &found["braked_share"]),
             (&json!(1), &json!(1.0))
         );
-        assert_eq!((&found["seen_late"], &found["seen_after_p99_s"]), (&json!(0), &json!(0.4)));
+        assert_eq!((&found["seen_late"], &found["beyond_comfort_share"]), (&json!(0), &json!(0.0)));
     }
 
     #[test]

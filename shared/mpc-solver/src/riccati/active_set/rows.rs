@@ -6,7 +6,8 @@
 
 use multiversion::multiversion;
 
-use crate::problem::{MAX_ROWS, Problem, dot};
+use crate::limits::MAX_ROWS;
+use crate::problem::{Problem, dot};
 
 /// Largest number of rows treated at once.
 pub(super) const MAX_WORKING_ROWS: usize = 8;

@@ -5,7 +5,8 @@
 //! gains: one column of the recursion backwards ([`crate::riccati::lqr`]), one roll-out forwards.
 
 use super::MAX_SHORT;
-use crate::problem::{MAX_ROWS, Problem};
+use crate::limits::MAX_ROWS;
+use crate::problem::Problem;
 use crate::riccati::lanes::WIDTH;
 use crate::riccati::lqr::{Cost, GENERAL, Gain, LinearQuadratic, Sweep, Unconstrained};
 

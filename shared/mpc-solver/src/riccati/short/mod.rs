@@ -21,7 +21,8 @@ use super::active_set::Point;
 use super::complementarity::Complementarity;
 use super::lanes::{Lanes, WIDTH};
 use super::lqr::{LinearQuadratic, Sweep, Unconstrained};
-use crate::problem::{MAX_ROWS, Problem, Terminal};
+use crate::limits::MAX_ROWS;
+use crate::problem::{Problem, Terminal};
 use condensed::{Condensed, set_stage};
 
 /// Largest horizon of the method. Beyond, the sweeps of the long methods are faster than columns.
