@@ -86,6 +86,9 @@ impl Across {
 
 /// Braking that is comfortable, m/s².
 const COMFORT_MPS2: f64 = 2.5;
+/// Hardest braking that a cruise control can ask for here, m/s² (`plant::gateway`). A track that needs more is as late as
+/// it can be: the price of being late ends there, or each vehicle beside the way would be worth braking as it comes near.
+const HARDEST_MPS2: f64 = 6.0;
 /// Price of braking for nothing. It surprises those behind, so it is as bad as having to brake with 5 m/s², the most of
 /// a cruise control (ISO 15622).
 const FOR_NOTHING: f64 = 4.0;
@@ -105,7 +108,7 @@ const LEAVES_SHARE: f64 = 0.25;
 /// Braking late costs the square of the braking that is then needed, in multiples of what is comfortable. Braking for
 /// nothing costs [`FOR_NOTHING`]. A track is worth braking if P · (a / 2.5)² > (1 - P) · 4.
 fn enter_at(braking_mps2: f64) -> f64 {
-    let late = braking_mps2 / COMFORT_MPS2;
+    let late = braking_mps2.min(HARDEST_MPS2) / COMFORT_MPS2;
     (1.0 / (1.0 + late * late / FOR_NOTHING)).min(FOLLOWED)
 }
 

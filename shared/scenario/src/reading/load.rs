@@ -7,7 +7,7 @@ use openscenario::xml::MAX_FILE_BYTES;
 use super::document::{Document, MAX_TEXT_BYTES};
 use super::error::Refusal;
 use super::problem::Problem;
-use super::text_file::{self, read};
+use super::text_file::read;
 use crate::Scenario;
 use crate::actor::{Actor, Profile};
 use crate::plan::{Lanes, Start};
@@ -69,8 +69,8 @@ fn load_record(
             .into()),
         };
     };
-    if let Err(reason) = text_file::open(&path) {
-        let message = format!("{} {reason}", path.display());
+    if let Err(reason) = std::fs::File::open(&path) {
+        let message = format!("{} cannot be opened: {reason}", path.display());
         let expected = "a CSV file, an MCAP file or a ROS bag";
         return Err(Problem::new(key("file"), message, expected).into());
     }

@@ -232,7 +232,7 @@ impl Source {
             None if !looks_like_a_path && !path.exists() => return Err(builtin::unknown(argument)),
             None => {
                 let text = text_file::read(path, MAX_TEXT_BYTES)
-                    .map_err(|reason| ScenarioError::whole(argument, reason))?;
+                    .map_err(|reason| ScenarioError::whole(argument, reason.to_string()))?;
                 (argument.to_owned(), text, Some(path.parent().unwrap_or(path).to_owned()))
             }
         };

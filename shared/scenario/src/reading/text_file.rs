@@ -1,28 +1,37 @@
 //! Text files of bounded size.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
+use std::string::FromUtf8Error;
 
-/// Opens a file to read it; an error is the reason.
-pub(crate) fn open(path: &Path) -> Result<File, String> {
-    File::open(path).map_err(|error| format!("cannot be opened: {error}"))
+/// Reason why a text file is not read.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum TextFileError {
+    #[error("cannot be opened: {0}")]
+    NotOpened(#[source] io::Error),
+    #[error("is not a regular file")]
+    Irregular,
+    #[error("cannot be read: {0}")]
+    NotRead(#[source] io::Error),
+    #[error("is larger than {0} bytes")]
+    TooLarge(usize),
+    #[error("is not UTF-8 text (byte {})", .0.utf8_error().valid_up_to())]
+    NotText(#[from] FromUtf8Error),
 }
 
-/// Reads a text file of at most `most` bytes; an error is the reason.
-pub(crate) fn read(path: &Path, most: usize) -> Result<String, String> {
+/// Reads a text file of at most `most` bytes.
+pub(crate) fn read(path: &Path, most: usize) -> Result<String, TextFileError> {
     // Looked at before it is opened: to open a pipe is to wait for its other end.
-    if path.metadata().is_ok_and(|found| !found.is_file()) {
-        return Err("is not a regular file".to_owned());
+    if !path.metadata().map_err(TextFileError::NotOpened)?.is_file() {
+        return Err(TextFileError::Irregular);
     }
-    let mut bytes = Vec::new();
-    let read = open(path)?.take(most as u64 + 1).read_to_end(&mut bytes);
-    read.map_err(|error| format!("cannot be read: {error}"))?;
+    let (file, mut bytes) = (File::open(path).map_err(TextFileError::NotOpened)?, Vec::new());
+    file.take(most as u64 + 1).read_to_end(&mut bytes).map_err(TextFileError::NotRead)?;
     if bytes.len() > most {
-        return Err(format!("is larger than {most} bytes"));
+        return Err(TextFileError::TooLarge(most));
     }
-    String::from_utf8(bytes)
-        .map_err(|error| format!("is not UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
+    Ok(String::from_utf8(bytes)?)
 }
 
 #[cfg(test)]
@@ -31,6 +40,6 @@ mod tests {
 
     #[test]
     fn a_directory_is_not_a_text_file() {
-        assert_eq!(read(Path::new("/"), 1), Err("is not a regular file".to_owned()));
+        assert!(matches!(read(Path::new("/"), 1), Err(TextFileError::Irregular)));
     }
 }

@@ -46,7 +46,7 @@ impl CarrierAddress {
     }
 
     /// The address in a text; `None` if it names no carrier.
-    pub(crate) fn read(text: &str) -> Option<Result<Self, String>> {
+    pub(crate) fn read(text: &str) -> Option<Result<Self, CarrierAddressError>> {
         if text == "zenoh" {
             return Some(Ok(Self::Zenoh { configuration: None }));
         }
@@ -55,22 +55,28 @@ impl CarrierAddress {
             "" => Err(format!("`{scheme}:` lacks the file, expected {scheme}:FILE")),
             path => Ok(PathBuf::from(path)),
         };
-        Some(match scheme {
+        let address = match scheme {
             "udp" => udp(rest.strip_prefix("//")?),
             "zenoh" => file().map(|file| Self::Zenoh { configuration: Some(file) }),
             "pcap" => file().map(|file| Self::Capture { file }),
             _ => return None,
-        })
+        };
+        Some(address.map_err(CarrierAddressError))
     }
 }
 
-impl FromStr for CarrierAddress {
-    type Err = String;
+/// Reason why a text is not the address of a carrier.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct CarrierAddressError(String);
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for CarrierAddress {
+    type Err = CarrierAddressError;
+
+    fn from_str(text: &str) -> Result<Self, CarrierAddressError> {
         Self::read(text).unwrap_or_else(|| {
             let expected = "udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5 or pcap:FILE";
-            Err(format!("`{text}` names no carrier, expected {expected}"))
+            Err(CarrierAddressError(format!("`{text}` names no carrier, expected {expected}")))
         })
     }
 }

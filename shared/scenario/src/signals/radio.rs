@@ -59,7 +59,7 @@ impl TryFrom<String> for Radio {
             "direct" => Ok(Self::Direct),
             "frames" => Ok(Self::Frames),
             other => match CarrierAddress::read(other) {
-                Some(address) => address.map(Self::Carrier),
+                Some(address) => address.map(Self::Carrier).map_err(|error| error.to_string()),
                 None => Err(format!("`{other}` is not a radio, expected {RADIOS}")),
             },
         }

@@ -101,7 +101,7 @@ pub fn read(path: &Path, keys: &CsvFile) -> Result<Record, Refusal> {
         return record(&Source::messages(&source, keys, &columns)?, keys, &columns);
     }
     let text = text_file::read(path, MAX_RECORD_BYTES)
-        .map_err(|reason| ScenarioError::whole(&source, reason))?;
+        .map_err(|reason| ScenarioError::whole(&source, reason.to_string()))?;
     read_text(&source, &text, keys)
 }
 
