@@ -8,7 +8,7 @@ mod container;
 mod dsrc;
 pub(crate) mod mapem;
 #[cfg(all(test, feature = "oracle"))]
-mod oracle;
+mod oracle_tests;
 pub(crate) mod spatem;
 mod uper;
 
