@@ -7,7 +7,7 @@ use runtime::{Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use scenario::sumo_traffic::Route;
 
-/// Time by which the cap precedes a speed limit, s: as before curves, since laws follow a falling set speed late.
+/// Time by which the cap precedes a speed limit, s: laws follow a falling set speed late.
 const LEAD_S: f64 = 2.0;
 /// Periods of the radar after which a course is of no use.
 const STALE_PERIODS: f64 = 4.0;

@@ -4,8 +4,8 @@
 //! the path beyond `leave_half_width_m`. So a vehicle on the line between two lanes does not flicker, and one noisy
 //! scan makes no target. An estimated path is left only after [`Numbers::course_leave_s`].
 //!
-//! Where the road ahead is a belief ([`super::belief`]), the probability of being in the ego's way replaces these
-//! limits. The more braking a track would need, the less probability is enough. A vehicle that drives keeps its lane, and
+//! A belief about the road ([`super::belief`]) replaces these limits by the probability of being in the ego's way. The
+//! more braking a track would need, the less probability is enough. A vehicle that drives keeps its lane, and
 //! meets other errors of the belief wherever it comes. So its probability is a mean over time. One that stands, or
 //! changes lanes, has the probability of the scan.
 //!
@@ -86,8 +86,8 @@ impl Across {
 
 /// Braking that is comfortable, m/s².
 const COMFORT_MPS2: f64 = 2.5;
-/// Hardest braking that a cruise control can ask for here, m/s² (`plant::gateway`). A track that needs more is as late as
-/// it can be: the price of being late ends there, or each vehicle beside the way would be worth braking as it comes near.
+/// Hardest braking that a law asks for, m/s²: the default of `controller.min_request_mps2`. A track that needs more is as
+/// late as it can be, so that the price ends there. Else each vehicle beside the way is worth braking as it comes near.
 const HARDEST_MPS2: f64 = 6.0;
 /// Price of braking for nothing. It surprises those behind, so it is as bad as having to brake with 5 m/s², the most of
 /// a cruise control (ISO 15622).

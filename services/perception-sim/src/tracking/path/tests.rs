@@ -93,6 +93,13 @@ fn prices_decide_where_the_path_is_doubtful() {
     assert_eq!(within(80.0, 0.19), (false, false));
     assert_eq!(within(40.0, 0.51), (true, true), "as bad as braking with 5 m/s²");
     assert_eq!((within(40.0, 0.49), within(40.0, 0.12)), ((false, true), (false, false)));
+    // 6 m/s² at 33.3 m; no law brakes harder.
+    assert_eq!((within(33.3, 0.42), within(33.3, 0.40)), ((true, true), (false, true)));
+    assert_eq!(
+        (within(1.0, 0.40), within(1.0, 0.10)),
+        ((false, true), (false, false)),
+        "beside it"
+    );
     // A lead that goes along needs no braking.
     let in_way = Some(0.81);
     let lead = Across { in_way, ..Across::resting(3.5) };
