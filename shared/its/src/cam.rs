@@ -3,7 +3,7 @@
 use crate::geodesy::Position;
 
 /// A cooperative awareness message of a vehicle. Other fields of the standard are sent as unavailable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cam {
     pub station_id: u32,
     /// `TimestampIts` modulo 65536 of the position, ms.
@@ -18,7 +18,7 @@ pub struct Cam {
 }
 
 /// `BasicVehicleContainerHighFrequency`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
     /// Heading from north, clockwise, 0.1 degrees, 0 to 3600; 3601 unavailable.
     pub heading: u16,
@@ -35,7 +35,7 @@ pub struct Motion {
 }
 
 /// `BasicVehicleContainerLowFrequency`, without a path history.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LowFrequency {
     /// `VehicleRole`, 0 (default) to 15.
     pub role: u8,

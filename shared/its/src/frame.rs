@@ -21,11 +21,7 @@ impl Frame {
     /// # Errors
     /// [`EncodeError`] if a value is outside the standard's range or the frame is too long.
     pub fn encode(&self) -> Result<Vec<u8>, EncodeError> {
-        let payload = match &self.message {
-            Message::Spatem(message) => codec::spatem::encode(message),
-            Message::Mapem(message) => codec::mapem::encode(message),
-            Message::Cam(message) => codec::cam::encode(message),
-        }?;
+        let payload = codec::encode(&self.message)?;
         let bytes = HEADER_BYTES + payload.len();
         if bytes > MAX_FRAME_BYTES {
             return Err(EncodeError::TooLong(bytes));

@@ -3,7 +3,7 @@
 use crate::geodesy::Position;
 
 /// The geometry of one or more intersections.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mapem {
     pub station_id: u32,
     /// `msgIssueRevision`, 0 to 127.
@@ -13,7 +13,7 @@ pub struct Mapem {
 }
 
 /// `IntersectionGeometry`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IntersectionGeometry {
     /// Road regulator, if the id is not unique without it.
     pub region: Option<u16>,
@@ -31,7 +31,7 @@ pub struct IntersectionGeometry {
 }
 
 /// `GenericLane`, for vehicles.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lane {
     /// Id of the lane in its intersection.
     pub id: u8,
@@ -54,8 +54,14 @@ pub enum Approach {
     Egress(u8),
 }
 
+impl Default for Approach {
+    fn default() -> Self {
+        Self::Ingress(0)
+    }
+}
+
 /// `Connection`: from an ingress lane to an egress lane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Connection {
     /// Id of the egress lane.
     pub lane: u8,

@@ -3,7 +3,7 @@
 use crate::time::{Stamp, TimeMark};
 
 /// Signal phase and timing of one or more intersections.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Spatem {
     pub station_id: u32,
     /// The intersections, 1 to 32.
@@ -11,7 +11,7 @@ pub struct Spatem {
 }
 
 /// `IntersectionState`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IntersectionState {
     /// Road regulator, if the id is not unique without it.
     pub region: Option<u16>,
@@ -27,7 +27,7 @@ pub struct IntersectionState {
 }
 
 /// `MovementState`: one signal group.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MovementState {
     pub signal_group: u8,
     /// The present phase and the next ones, 1 to 16.
@@ -35,7 +35,7 @@ pub struct MovementState {
 }
 
 /// `MovementEvent`: one phase.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MovementEvent {
     pub state: MovementPhase,
     /// Time of its end.
@@ -43,7 +43,7 @@ pub struct MovementEvent {
 }
 
 /// `TimeChangeDetails`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Timing {
     pub start: Option<TimeMark>,
     pub min_end: TimeMark,
@@ -56,10 +56,11 @@ pub struct Timing {
 }
 
 /// `MovementPhaseState`: all ten states of the standard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum MovementPhase {
     /// Unknown or out of order.
+    #[default]
     Unavailable = 0,
     /// Not lit.
     Dark = 1,

@@ -77,6 +77,12 @@ const PAST_MS: i64 = 60_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TimeMark(u16);
 
+impl Default for TimeMark {
+    fn default() -> Self {
+        Self::UNKNOWN
+    }
+}
+
 impl TimeMark {
     /// More than an hour ahead.
     pub const BEYOND: Self = Self(36_000);

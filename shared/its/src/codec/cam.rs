@@ -4,11 +4,10 @@ use super::container::{
     ACCELERATION, ACCELERATION_CONFIDENCE, ACCELERATION_CONTROL, LANE_POSITION, OTHER_ACCELERATION,
     PATH_HISTORY, PERFORMANCE_CLASS, SPECIAL_VEHICLE, STEERING_WHEEL, TOLLING_ZONE,
 };
-use super::uper::{Number, Part, Skip, Source, Writer};
-use super::{LATITUDE, LONGITUDE, read_header, write_header};
+use super::uper::{Fields, Number, Part};
+use super::{LATITUDE, LONGITUDE, STATION_ID};
+use crate::PayloadError;
 use crate::cam::{Cam, LowFrequency, Motion};
-use crate::geodesy::Position;
-use crate::{EncodeError, MessageKind, PayloadError};
 
 const GENERATION_TIME: Number = Number::new("generation time", 0, 65_535);
 const STATION_TYPE: Number = Number::new("station type", 0, 255);
@@ -31,130 +30,80 @@ const CURVATURE_CALCULATION: Number = Number::new("curvature's calculation", 0, 
 const YAW_RATE: Number = Number::new("yaw rate", -32_766, 32_767);
 const YAW_RATE_CONFIDENCE: Number = Number::new("yaw rate's confidence", 0, 8);
 const ROLE: Number = Number::new("vehicle role", 0, 15);
-const PATH_POINTS: Number = Number::new("points of the path", 0, 40);
 /// Size of `ExteriorLights`.
 const LIGHT_BITS: u32 = 8;
 
 /// `DriveDirection`.
-const FORWARD: u8 = 0;
+const FORWARD: i64 = 0;
 /// Figures of the basic container that are not read, and sent as unknown.
 const NOT_READ: [Number; 5] = [AXIS, AXIS, ORIENTATION, ALTITUDE, ALTITUDE_CONFIDENCE];
 /// `HighFrequencyContainer`: a vehicle's.
-const VEHICLE: u8 = 0;
+const VEHICLE: i64 = 0;
 
-pub(crate) fn encode(message: &Cam) -> Result<Vec<u8>, EncodeError> {
-    let mut to = write_header(MessageKind::Cam, message.station_id)?;
-    to.number(GENERATION_TIME, message.generation_delta)?;
-    // CamParameters: lowFrequencyContainer, specialVehicleContainer.
-    to.not_extended();
-    to.present([message.low_frequency.is_some(), false]);
-    write_basic(&mut to, message)?;
-    to.not_extended();
-    to.number(KIND_OF_STATION, VEHICLE)?;
-    write_motion(&mut to, &message.motion)?;
-    if let Some(slow) = message.low_frequency {
-        // LowFrequencyContainer: a vehicle's, the only kind.
-        to.not_extended();
-        to.number(ROLE, slow.role)?;
-        to.flags(slow.lights.into(), LIGHT_BITS);
-        to.number(PATH_POINTS, 0)?;
-    }
-    Ok(to.finish())
-}
-
-pub(super) fn read(from: &mut impl Source) -> Result<Cam, PayloadError> {
-    let station_id = read_header(from)?;
-    let generation_delta = from.number(GENERATION_TIME)?;
-    from.extensible(|from, [slow, special]| {
-        let (station_type, position) = read_basic(from)?;
-        if from.extended()? || from.number::<u8>(KIND_OF_STATION)? != VEHICLE {
+pub(super) fn walk(fields: &mut impl Fields, cam: &mut Cam) -> Result<(), PayloadError> {
+    fields.number(STATION_ID, &mut cam.station_id)?;
+    fields.number(GENERATION_TIME, &mut cam.generation_delta)?;
+    // CamParameters.
+    fields.extensible([cam.low_frequency.is_some(), false], |fields, [slow, special]| {
+        basic(fields, cam)?;
+        if fields.extended()? || fields.whole(KIND_OF_STATION, VEHICLE)? != VEHICLE {
             return Err(PayloadError::OtherStation);
         }
-        let motion = read_motion(from)?;
-        let low_frequency = slow.then(|| read_low_frequency(from)).transpose()?;
-        from.skip(special, &SPECIAL_VEHICLE)?;
-        Ok(Cam { station_id, generation_delta, station_type, position, motion, low_frequency })
+        motion(fields, &mut cam.motion)?;
+        if slow {
+            low_frequency(fields, cam.low_frequency.get_or_insert_default())?;
+        }
+        fields.skip(special, &SPECIAL_VEHICLE)
     })
-}
-
-fn write_basic(to: &mut Writer, message: &Cam) -> Result<(), EncodeError> {
-    let Position { latitude, longitude } = message.position;
-    to.not_extended();
-    to.number(STATION_TYPE, message.station_type)?;
-    to.number(LATITUDE, latitude)?;
-    to.number(LONGITUDE, longitude)?;
-    NOT_READ.into_iter().try_for_each(|number| to.unknown(number))
 }
 
 /// `BasicContainer`: type and position of the station.
-fn read_basic(from: &mut impl Source) -> Result<(u8, Position), PayloadError> {
-    from.extensible(|from, []| {
-        let station_type = from.number(STATION_TYPE)?;
-        let (latitude, longitude) = (from.number(LATITUDE)?, from.number(LONGITUDE)?);
-        NOT_READ.into_iter().try_for_each(|number| from.whole(number).map(drop))?;
-        Ok((station_type, Position { latitude, longitude }))
+fn basic(fields: &mut impl Fields, cam: &mut Cam) -> Result<(), PayloadError> {
+    fields.extensible([], |fields, []| {
+        fields.number(STATION_TYPE, &mut cam.station_type)?;
+        fields.number(LATITUDE, &mut cam.position.latitude)?;
+        fields.number(LONGITUDE, &mut cam.position.longitude)?;
+        NOT_READ.into_iter().try_for_each(|number| fields.unread(number))
     })
 }
 
-fn write_motion(to: &mut Writer, motion: &Motion) -> Result<(), EncodeError> {
-    // accelerationControl, lanePosition, steeringWheelAngle, lateralAcceleration, verticalAcceleration,
-    // performanceClass, cenDsrcTollingZone.
-    to.present([false; 7]);
-    to.number(HEADING, motion.heading)?;
-    to.unknown(HEADING_CONFIDENCE)?;
-    to.number(SPEED, motion.speed)?;
-    to.unknown(SPEED_CONFIDENCE)?;
-    to.number(DRIVE_DIRECTION, FORWARD)?;
-    to.number(LENGTH, motion.length)?;
-    to.unknown(TRAILER)?;
-    to.number(WIDTH, motion.width)?;
-    to.number(ACCELERATION, motion.acceleration)?;
-    to.unknown(ACCELERATION_CONFIDENCE)?;
-    to.unknown(CURVATURE)?;
-    to.unknown(CURVATURE_CONFIDENCE)?;
-    to.not_extended();
-    to.unknown(CURVATURE_CALCULATION)?;
-    to.number(YAW_RATE, motion.yaw_rate)?;
-    to.unknown(YAW_RATE_CONFIDENCE)
-}
-
-fn read_motion(from: &mut impl Source) -> Result<Motion, PayloadError> {
-    from.sequence(|from, [controls, lane, wheel, lateral, vertical, performance, tolling]| {
-        let heading = from.number(HEADING)?;
-        from.whole(HEADING_CONFIDENCE)?;
-        let speed = from.number(SPEED)?;
-        from.whole(SPEED_CONFIDENCE)?;
-        from.whole(DRIVE_DIRECTION)?;
-        let length = from.number(LENGTH)?;
-        from.whole(TRAILER)?;
-        let width = from.number(WIDTH)?;
-        let acceleration = from.number(ACCELERATION)?;
-        from.whole(ACCELERATION_CONFIDENCE)?;
-        from.whole(CURVATURE)?;
-        from.whole(CURVATURE_CONFIDENCE)?;
-        from.skip(true, &Part::ExtensibleEnumeration(CURVATURE_CALCULATION))?;
-        let yaw_rate = from.number(YAW_RATE)?;
-        from.whole(YAW_RATE_CONFIDENCE)?;
-        from.skip(controls, &ACCELERATION_CONTROL)?;
-        from.skip(lane, &LANE_POSITION)?;
-        from.skip(wheel, &STEERING_WHEEL)?;
-        from.skip(lateral, &OTHER_ACCELERATION)?;
-        from.skip(vertical, &OTHER_ACCELERATION)?;
-        from.skip(performance, &PERFORMANCE_CLASS)?;
-        from.skip(tolling, &TOLLING_ZONE)?;
-        Ok(Motion { heading, speed, acceleration, yaw_rate, length, width })
+fn motion(fields: &mut impl Fields, motion: &mut Motion) -> Result<(), PayloadError> {
+    fields.sequence([false; 7], |fields, there| {
+        let [controls, lane, wheel, lateral, vertical, performance, tolling] = there;
+        fields.number(HEADING, &mut motion.heading)?;
+        fields.unread(HEADING_CONFIDENCE)?;
+        fields.number(SPEED, &mut motion.speed)?;
+        fields.unread(SPEED_CONFIDENCE)?;
+        fields.whole(DRIVE_DIRECTION, FORWARD)?;
+        fields.number(LENGTH, &mut motion.length)?;
+        fields.unread(TRAILER)?;
+        fields.number(WIDTH, &mut motion.width)?;
+        fields.number(ACCELERATION, &mut motion.acceleration)?;
+        fields.unread(ACCELERATION_CONFIDENCE)?;
+        fields.unread(CURVATURE)?;
+        fields.unread(CURVATURE_CONFIDENCE)?;
+        fields.skip(true, &Part::ExtensibleEnumeration(CURVATURE_CALCULATION))?;
+        fields.number(YAW_RATE, &mut motion.yaw_rate)?;
+        fields.unread(YAW_RATE_CONFIDENCE)?;
+        fields.skip(controls, &ACCELERATION_CONTROL)?;
+        fields.skip(lane, &LANE_POSITION)?;
+        fields.skip(wheel, &STEERING_WHEEL)?;
+        fields.skip(lateral, &OTHER_ACCELERATION)?;
+        fields.skip(vertical, &OTHER_ACCELERATION)?;
+        fields.skip(performance, &PERFORMANCE_CLASS)?;
+        fields.skip(tolling, &TOLLING_ZONE)
     })
 }
 
 /// A vehicle's container. Another kind of a later version counts as a vehicle's without content.
-fn read_low_frequency(from: &mut impl Source) -> Result<LowFrequency, PayloadError> {
-    if from.extended()? {
-        from.pass_small()?;
-        from.pass_open()?;
-        return Ok(LowFrequency { role: 0, lights: 0 });
+fn low_frequency(fields: &mut impl Fields, slow: &mut LowFrequency) -> Result<(), PayloadError> {
+    if fields.extended()? {
+        fields.pass_small()?;
+        return fields.pass_open();
     }
-    let role = from.number(ROLE)?;
-    let lights = from.flags("lights", LIGHT_BITS)? as u8;
-    from.skip(true, &PATH_HISTORY)?;
-    Ok(LowFrequency { role, lights })
+    fields.number(ROLE, &mut slow.role)?;
+    let mut lights = slow.lights.into();
+    fields.flags("lights", LIGHT_BITS, &mut lights)?;
+    slow.lights = lights as u8;
+    fields.skip(true, &PATH_HISTORY)
 }

@@ -71,10 +71,8 @@ pub(super) const ADVISORY_SPEEDS: Part = list(
     ]),
 );
 
-/// Values of `LayerType`.
-pub(super) const LAYER_TYPES: i64 = 7;
 /// `LayerType`.
-pub(super) const LAYER_TYPE: Part = enumeration("layer type", LAYER_TYPES);
+pub(super) const LAYER_TYPE: Number = Number::new("layer type", 0, 7);
 
 /// `LayerID`.
 pub(super) const LAYER_ID: Part = Part::whole("layer", 0, 100);

@@ -2,16 +2,16 @@
 
 use super::dsrc::{
     APPROACH, COMPUTED_LANE, DATA_PARAMETERS, ELEVATION, LANE_ID, LANE_TYPES, LANE_WIDTH, LAYER_ID,
-    LAYER_TYPE, LAYER_TYPES, MINUTE, NAME, NODE_AT_POSITION, NODE_ATTRIBUTES, OFFSETS,
-    OTHER_ATTRIBUTES, OVERLAYS, PREEMPT_PRIORITY, REGIONAL, REGIONALS, RESTRICTIONS, REVISION,
-    SIGNAL_GROUP, SPEED_LIMITS, VEHICLE_ATTRIBUTES,
+    LAYER_TYPE, MINUTE, NAME, NODE_AT_POSITION, NODE_ATTRIBUTES, OFFSETS, OTHER_ATTRIBUTES,
+    OVERLAYS, PREEMPT_PRIORITY, REGIONAL, REGIONALS, RESTRICTIONS, REVISION, SIGNAL_GROUP,
+    SPEED_LIMITS, VEHICLE_ATTRIBUTES,
 };
-use super::spatem::{INTERSECTIONS, read_reference, write_reference};
-use super::uper::{Number, Part, Skip, Source, Writer};
-use super::{LATITUDE, LONGITUDE, read_header, write_header};
+use super::spatem::{INTERSECTIONS, reference};
+use super::uper::{Fields, Number, Part};
+use super::{LATITUDE, LONGITUDE, STATION_ID};
+use crate::PayloadError;
 use crate::geodesy::Position;
 use crate::mapem::{Approach, Connection, IntersectionGeometry, Lane, Mapem};
-use crate::{EncodeError, MessageKind, PayloadError};
 
 /// `LaneSharing`: bit 3, motor vehicles.
 const MOTOR_VEHICLES: u16 = 1 << 3;
@@ -22,11 +22,11 @@ const DIRECTION_BITS: u32 = 2;
 const SHARING_BITS: u32 = 10;
 const MANEUVER_BITS: u32 = 12;
 /// `LayerType`.
-const INTERSECTION_DATA: u8 = 3;
+const INTERSECTION_DATA: i64 = 3;
 /// `LaneTypeAttributes`.
 const VEHICLE: i64 = 0;
 /// `NodeListXY`.
-const NODES: u8 = 0;
+const NODES: i64 = 0;
 
 const LANES: Number = Number::new("lanes", 1, 255);
 const ROAD_SEGMENTS: Number = Number::new("road segments", 1, 32);
@@ -40,245 +40,194 @@ const CONNECTING_LANE: Number = Number::new("connecting lane", 0, 255);
 const USER_CLASS: Number = Number::new("restriction class", 0, 255);
 const CONNECTION_ID: Number = Number::new("connection", 0, 255);
 
-pub(crate) fn encode(message: &Mapem) -> Result<Vec<u8>, EncodeError> {
-    let mut to = write_header(MessageKind::Mapem, message.station_id)?;
-    to.not_extended();
-    // timeStamp, layerType, layerID, intersections, roadSegments, dataParameters, restrictionList, regional.
-    to.present([false, true, false, true, false, false, false, false]);
-    to.number(REVISION, message.revision)?;
-    to.not_extended();
-    to.number(Number::new("layer type", 0, LAYER_TYPES), INTERSECTION_DATA)?;
-    to.list(INTERSECTIONS, &message.intersections, write_intersection)?;
-    Ok(to.finish())
-}
-
-pub(super) fn read(from: &mut impl Source) -> Result<Mapem, PayloadError> {
-    let station_id = read_header(from)?;
-    from.extensible(|from, [stamped, typed, layered, crossings, roads, data, limits, regional]| {
-        from.skip(stamped, &Part::Whole(MINUTE))?;
-        let revision = from.number(REVISION)?;
-        from.skip(typed, &LAYER_TYPE)?;
-        from.skip(layered, &LAYER_ID)?;
-        let intersections =
-            if crossings { from.list(INTERSECTIONS, read_intersection)? } else { Vec::new() };
-        if roads {
-            from.list(ROAD_SEGMENTS, skip_road_segment)?;
+pub(super) fn walk(fields: &mut impl Fields, message: &mut Mapem) -> Result<(), PayloadError> {
+    fields.number(STATION_ID, &mut message.station_id)?;
+    let there = [false, true, false, true, false, false, false, false];
+    fields.extensible(there, |fields, there| {
+        let [stamped, typed, layered, crossings, roads, data, limits, regional] = there;
+        fields.skip(stamped, &Part::Whole(MINUTE))?;
+        fields.number(REVISION, &mut message.revision)?;
+        if typed {
+            fields.enumeration(LAYER_TYPE, INTERSECTION_DATA)?;
         }
-        from.skip(data, &DATA_PARAMETERS)?;
-        from.skip(limits, &RESTRICTIONS)?;
-        from.skip(regional, &REGIONALS)?;
-        Ok(Mapem { station_id, revision, intersections })
+        fields.skip(layered, &LAYER_ID)?;
+        if crossings {
+            fields.list(INTERSECTIONS, &mut message.intersections, intersection)?;
+        }
+        if roads {
+            fields.list(ROAD_SEGMENTS, &mut Vec::new(), road_segment)?;
+        }
+        fields.skip(data, &DATA_PARAMETERS)?;
+        fields.skip(limits, &RESTRICTIONS)?;
+        fields.skip(regional, &REGIONALS)
     })
 }
 
-fn write_intersection(to: &mut Writer, geometry: &IntersectionGeometry) -> Result<(), EncodeError> {
-    to.not_extended();
-    // name, laneWidth, speedLimits, preemptPriorityData, regional.
-    to.present([false, geometry.lane_width_cm.is_some(), false, false, false]);
-    write_reference(to, geometry.region, geometry.id)?;
-    to.number(REVISION, geometry.revision)?;
-    to.not_extended();
-    // elevation, regional.
-    to.present([false; 2]);
-    let Position { latitude, longitude } = geometry.reference;
-    to.number(LATITUDE, latitude)?;
-    to.number(LONGITUDE, longitude)?;
-    to.some_number(LANE_WIDTH, geometry.lane_width_cm)?;
-    to.list(LANES, &geometry.lanes, write_lane)
-}
-
-fn read_intersection(from: &mut impl Source) -> Result<IntersectionGeometry, PayloadError> {
-    from.extensible(|from, [named, wide, limited, preempted, regional]| {
-        from.skip(named, &NAME)?;
-        let (region, id) = read_reference(from)?;
-        let revision = from.number(REVISION)?;
-        let reference = read_position(from)?;
-        let lane_width_cm = from.some_number(wide, LANE_WIDTH)?;
-        from.skip(limited, &SPEED_LIMITS)?;
-        let lanes = from.list(LANES, read_lane)?;
-        from.skip(preempted, &PREEMPT_PRIORITY)?;
-        from.skip(regional, &REGIONALS)?;
-        let unread_lanes = lanes.iter().filter(|lane| lane.is_none()).count();
-        let lanes = lanes.into_iter().flatten().collect();
-        Ok(IntersectionGeometry {
-            region,
-            id,
-            revision,
-            reference,
-            lane_width_cm,
-            lanes,
-            unread_lanes,
-        })
+fn intersection(
+    fields: &mut impl Fields,
+    geometry: &mut IntersectionGeometry,
+) -> Result<(), PayloadError> {
+    let there = [false, geometry.lane_width_cm.is_some(), false, false, false];
+    fields.extensible(there, |fields, [named, wide, limited, preempted, regional]| {
+        fields.skip(named, &NAME)?;
+        reference(fields, &mut geometry.region, &mut geometry.id)?;
+        fields.number(REVISION, &mut geometry.revision)?;
+        position(fields, &mut geometry.reference)?;
+        fields.some_number(wide, LANE_WIDTH, &mut geometry.lane_width_cm)?;
+        fields.skip(limited, &SPEED_LIMITS)?;
+        geometry.unread_lanes = lanes(fields, &mut geometry.lanes)?;
+        fields.skip(preempted, &PREEMPT_PRIORITY)?;
+        fields.skip(regional, &REGIONALS)
     })
 }
 
 /// A `RoadSegment`: checked and skipped.
-fn skip_road_segment(from: &mut impl Source) -> Result<(), PayloadError> {
-    from.extensible(|from, [named, wide, limited, regional]| {
-        from.skip(named, &NAME)?;
-        read_reference(from)?;
-        from.whole(REVISION)?;
-        read_position(from)?;
-        from.some_number::<u16>(wide, LANE_WIDTH)?;
-        from.skip(limited, &SPEED_LIMITS)?;
-        from.list(LANES, |from| read_lane(from).map(drop))?;
-        from.skip(regional, &REGIONALS)
+fn road_segment(fields: &mut impl Fields, (): &mut ()) -> Result<(), PayloadError> {
+    fields.extensible([false; 4], |fields, [named, wide, limited, regional]| {
+        fields.skip(named, &NAME)?;
+        reference(fields, &mut None, &mut 0)?;
+        fields.unread(REVISION)?;
+        position(fields, &mut Position::default())?;
+        fields.skip(wide, &Part::Whole(LANE_WIDTH))?;
+        fields.skip(limited, &SPEED_LIMITS)?;
+        lanes(fields, &mut Vec::new())?;
+        fields.skip(regional, &REGIONALS)
     })
 }
 
 /// `Position3D`, without its elevation.
-fn read_position(from: &mut impl Source) -> Result<Position, PayloadError> {
-    from.extensible(|from, [elevated, regional]| {
-        let (latitude, longitude) = (from.number(LATITUDE)?, from.number(LONGITUDE)?);
-        from.skip(elevated, &ELEVATION)?;
-        from.skip(regional, &REGIONALS)?;
-        Ok(Position { latitude, longitude })
+fn position(fields: &mut impl Fields, position: &mut Position) -> Result<(), PayloadError> {
+    fields.extensible([false; 2], |fields, [elevated, regional]| {
+        fields.number(LATITUDE, &mut position.latitude)?;
+        fields.number(LONGITUDE, &mut position.longitude)?;
+        fields.skip(elevated, &ELEVATION)?;
+        fields.skip(regional, &REGIONALS)
     })
 }
 
-fn write_lane(to: &mut Writer, lane: &Lane) -> Result<(), EncodeError> {
-    let (direction, ingress, egress) = match lane.approach {
+/// The lanes in a form that is read here. Returns the number of the others.
+fn lanes(fields: &mut impl Fields, lanes: &mut Vec<Lane>) -> Result<usize, PayloadError> {
+    let mut are_known = Vec::new();
+    fields.list(LANES, lanes, |fields, each| {
+        are_known.push(lane(fields, each)?);
+        Ok(())
+    })?;
+    let mut known = are_known.iter();
+    lanes.retain(|_| known.next() == Some(&true));
+    Ok(are_known.len() - lanes.len())
+}
+
+/// False for a lane that is not for vehicles, has no approach, or has nodes other than offsets.
+fn lane(fields: &mut impl Fields, lane: &mut Lane) -> Result<bool, PayloadError> {
+    let (mut direction, mut ingress, mut egress) = match lane.approach {
         Approach::Ingress(number) => (INGRESS, Some(number), None),
         Approach::Egress(number) => (EGRESS, None, Some(number)),
     };
     let connects = !lane.connections.is_empty();
-    to.not_extended();
-    // name, ingressApproach, egressApproach, maneuvers, connectsTo, overlays, regional.
-    to.present([false, ingress.is_some(), egress.is_some(), true, connects, false, false]);
-    to.number(LANE_ID, lane.id)?;
-    to.some_number(APPROACH, ingress)?;
-    to.some_number(APPROACH, egress)?;
-    // LaneAttributes: regional.
-    to.present([false]);
-    to.flags(direction, DIRECTION_BITS);
-    to.flags(MOTOR_VEHICLES, SHARING_BITS);
-    to.not_extended();
-    to.number(KIND_OF_LANE, VEHICLE)?;
-    // No special attributes: eight bits without a length.
-    to.not_extended();
-    to.flags(0, 8);
-    to.flags(lane.maneuvers, MANEUVER_BITS);
-    to.not_extended();
-    to.number(KIND_OF_NODES, NODES)?;
-    to.list(NODE_COUNT, &lane.nodes, write_node)?;
-    if connects { to.list(CONNECTIONS, &lane.connections, write_connection) } else { Ok(()) }
-}
-
-/// `None` for a lane that is not for vehicles, has no approach, or has nodes other than offsets.
-fn read_lane(from: &mut impl Source) -> Result<Option<Lane>, PayloadError> {
-    from.extensible(|from, [named, enters, leaves, turns, connects, overlaid, regional]| {
-        let id = from.number(LANE_ID)?;
-        from.skip(named, &NAME)?;
-        let ingress = from.some_number(enters, APPROACH)?;
-        let egress = from.some_number(leaves, APPROACH)?;
-        let direction = read_attributes(from)?;
-        let maneuvers = if turns { from.flags("manoeuvres", MANEUVER_BITS)? } else { 0 };
-        let nodes = read_nodes(from)?;
-        let connections =
-            if connects { from.list(CONNECTIONS, read_connection)? } else { Vec::new() };
-        from.skip(overlaid, &OVERLAYS)?;
-        from.skip(regional, &REGIONALS)?;
-        let approach = match (direction, ingress, egress) {
-            (Some(way), Some(number), _) if way & INGRESS != 0 => Some(Approach::Ingress(number)),
-            (Some(way), _, Some(number)) if way & EGRESS != 0 => Some(Approach::Egress(number)),
+    let there = [false, ingress.is_some(), egress.is_some(), true, connects, false, false];
+    fields.extensible(there, |fields, there| {
+        let [named, enters, leaves, turns, connects, overlaid, regional] = there;
+        fields.number(LANE_ID, &mut lane.id)?;
+        fields.skip(named, &NAME)?;
+        fields.some_number(enters, APPROACH, &mut ingress)?;
+        fields.some_number(leaves, APPROACH, &mut egress)?;
+        let is_vehicles = attributes(fields, &mut direction)?;
+        if turns {
+            fields.flags("manoeuvres", MANEUVER_BITS, &mut lane.maneuvers)?;
+        }
+        let are_offsets = nodes(fields, &mut lane.nodes)?;
+        if connects {
+            fields.list(CONNECTIONS, &mut lane.connections, connection)?;
+        }
+        fields.skip(overlaid, &OVERLAYS)?;
+        fields.skip(regional, &REGIONALS)?;
+        let approach = match (ingress, egress) {
+            (Some(number), _) if direction & INGRESS != 0 => Some(Approach::Ingress(number)),
+            (_, Some(number)) if direction & EGRESS != 0 => Some(Approach::Egress(number)),
             _ => None,
         };
-        Ok(approach.zip(nodes).map(|(approach, nodes)| Lane {
-            id,
-            approach,
-            maneuvers,
-            nodes,
-            connections,
-        }))
+        lane.approach = approach.unwrap_or_default();
+        Ok(is_vehicles && are_offsets && approach.is_some())
     })
 }
 
-/// The direction in which vehicles use a lane; `None` if it is not for vehicles.
-fn read_attributes(from: &mut impl Source) -> Result<Option<u16>, PayloadError> {
-    from.sequence(|from, [regional]| {
-        let direction = from.flags("direction", DIRECTION_BITS)?;
-        from.flags("sharing", SHARING_BITS)?;
-        let direction = if from.extended()? {
-            from.pass_small()?;
-            from.pass_open()?;
-            None
+/// The direction in which a lane is used; false if it is not for vehicles.
+fn attributes(fields: &mut impl Fields, direction: &mut u16) -> Result<bool, PayloadError> {
+    fields.sequence([false], |fields, [regional]| {
+        fields.flags("direction", DIRECTION_BITS, direction)?;
+        fields.flags("sharing", SHARING_BITS, &mut MOTOR_VEHICLES.clone())?;
+        let is_vehicles = if fields.extended()? {
+            fields.pass_small()?;
+            fields.pass_open()?;
+            false
         } else {
-            let is_vehicle = from.whole(KIND_OF_LANE)? == VEHICLE;
-            let attributes = if is_vehicle { &VEHICLE_ATTRIBUTES } else { &OTHER_ATTRIBUTES };
-            from.skip(true, attributes)?;
-            is_vehicle.then_some(direction)
+            let is_vehicles = fields.whole(KIND_OF_LANE, VEHICLE)? == VEHICLE;
+            // Of the vehicle's special attributes none is written.
+            let attributes = if is_vehicles { &VEHICLE_ATTRIBUTES } else { &OTHER_ATTRIBUTES };
+            fields.skip(true, attributes)?;
+            is_vehicles
         };
-        from.skip(regional, &REGIONAL)?;
-        Ok(direction)
+        fields.skip(regional, &REGIONAL)?;
+        Ok(is_vehicles)
     })
 }
 
-/// The nodes of a lane; `None` for a lane computed from another lane, and for nodes other than offsets.
-fn read_nodes(from: &mut impl Source) -> Result<Option<Vec<(i16, i16)>>, PayloadError> {
-    if from.extended()? {
-        from.pass_small()?;
-        from.pass_open()?;
-        return Ok(None);
+/// The nodes of a lane; false for a lane computed from another lane, and for nodes other than offsets.
+fn nodes(fields: &mut impl Fields, nodes: &mut Vec<(i16, i16)>) -> Result<bool, PayloadError> {
+    if fields.extended()? {
+        fields.pass_small()?;
+        fields.pass_open()?;
+        return Ok(false);
     }
-    if from.number::<u8>(KIND_OF_NODES)? != NODES {
-        from.skip(true, &COMPUTED_LANE)?;
-        return Ok(None);
+    if fields.whole(KIND_OF_NODES, NODES)? != NODES {
+        fields.skip(true, &COMPUTED_LANE)?;
+        return Ok(false);
     }
-    Ok(from.list(NODE_COUNT, read_node)?.into_iter().collect())
+    let mut are_offsets = true;
+    fields.list(NODE_COUNT, nodes, |fields, each| {
+        are_offsets &= node(fields, each)?;
+        Ok(())
+    })?;
+    Ok(are_offsets)
 }
 
-/// Writes the shortest form with room for the node. In all but the longest, the lowest number means an unknown
-/// offset.
-fn write_node(to: &mut Writer, &(x, y): &(i16, i16)) -> Result<(), EncodeError> {
-    to.not_extended();
-    // attributes.
-    to.present([false]);
-    let farthest = i64::from(x.unsigned_abs().max(y.unsigned_abs()));
-    let form = OFFSETS.iter().take_while(|offset| !offset.contains(farthest)).count();
-    let form = form.min(OFFSETS.len() - 1);
-    to.number(NODE_FORM, form as i64)?;
-    to.number(OFFSETS[form], x)?;
-    to.number(OFFSETS[form], y)
-}
-
-fn read_node(from: &mut impl Source) -> Result<Option<(i16, i16)>, PayloadError> {
-    from.extensible(|from, [attributed]| {
-        let form = from.number::<usize>(NODE_FORM)?;
-        let node = match OFFSETS.get(form) {
-            Some(offset) => Some((from.number(*offset)?, from.number(*offset)?)),
-            None if form == OFFSETS.len() => from.skip(true, &NODE_AT_POSITION).map(|()| None)?,
-            None => from.skip(true, &REGIONAL).map(|()| None)?,
-        };
-        from.skip(attributed, &NODE_ATTRIBUTES)?;
-        Ok(node)
+/// An offset in the shortest form with room for it; false for another form. In all but the longest, the lowest number
+/// means an unknown offset.
+fn node(fields: &mut impl Fields, (x, y): &mut (i16, i16)) -> Result<bool, PayloadError> {
+    fields.extensible([false], |fields, [attributed]| {
+        let farthest = i64::from(x.unsigned_abs().max(y.unsigned_abs()));
+        let form = OFFSETS.iter().take_while(|offset| !offset.contains(farthest)).count();
+        let form = form.min(OFFSETS.len() - 1);
+        let form = fields.whole(NODE_FORM, form as i64)? as usize;
+        match OFFSETS.get(form) {
+            Some(offset) => {
+                fields.number(*offset, x)?;
+                fields.number(*offset, y)?;
+            }
+            None if form == OFFSETS.len() => fields.skip(true, &NODE_AT_POSITION)?,
+            None => fields.skip(true, &REGIONAL)?,
+        }
+        fields.skip(attributed, &NODE_ATTRIBUTES)?;
+        Ok(form < OFFSETS.len())
     })
 }
 
-fn write_connection(to: &mut Writer, connection: &Connection) -> Result<(), EncodeError> {
-    // remoteIntersection, signalGroup, userClass, connectionID.
-    to.present([false, connection.signal_group.is_some(), false, false]);
-    // ConnectingLane: maneuver.
-    to.present([connection.maneuver.is_some()]);
-    to.number(CONNECTING_LANE, connection.lane)?;
-    if let Some(maneuver) = connection.maneuver {
-        to.flags(maneuver, MANEUVER_BITS);
-    }
-    to.some_number(SIGNAL_GROUP, connection.signal_group)
-}
-
-fn read_connection(from: &mut impl Source) -> Result<Connection, PayloadError> {
-    from.sequence(|from, [remote, signalled, classed, numbered]| {
-        let (lane, maneuver) = from.sequence(|from, [turns]| {
-            let lane = from.number(CONNECTING_LANE)?;
-            let maneuver = turns.then(|| from.flags("manoeuvre", MANEUVER_BITS)).transpose()?;
-            Ok((lane, maneuver))
+fn connection(fields: &mut impl Fields, to: &mut Connection) -> Result<(), PayloadError> {
+    let there = [false, to.signal_group.is_some(), false, false];
+    fields.sequence(there, |fields, [remote, signalled, classed, numbered]| {
+        fields.sequence([to.maneuver.is_some()], |fields, [turns]| {
+            fields.number(CONNECTING_LANE, &mut to.lane)?;
+            if turns {
+                let maneuver = to.maneuver.get_or_insert_default();
+                fields.flags("manoeuvre", MANEUVER_BITS, maneuver)?;
+            }
+            Ok(())
         })?;
         if remote {
-            read_reference(from)?;
+            reference(fields, &mut None, &mut 0)?;
         }
-        let signal_group = from.some_number(signalled, SIGNAL_GROUP)?;
-        from.some_number::<u8>(classed, USER_CLASS)?;
-        from.some_number::<u8>(numbered, CONNECTION_ID)?;
-        Ok(Connection { lane, maneuver, signal_group })
+        fields.some_number(signalled, SIGNAL_GROUP, &mut to.signal_group)?;
+        fields.skip(classed, &Part::Whole(USER_CLASS))?;
+        fields.skip(numbered, &Part::Whole(CONNECTION_ID))
     })
 }

@@ -2,7 +2,7 @@
 
 use super::read;
 use super::uper::dice::Dice;
-use super::uper::{Number, Reader, Source};
+use super::uper::{Fields, Number, Reader};
 use crate::{Message, MessageKind, PayloadError};
 
 mod theirs;
@@ -21,9 +21,9 @@ struct Noting<'a> {
     extended: bool,
 }
 
-impl Source for Noting<'_> {
-    fn whole(&mut self, number: Number) -> Result<i64, PayloadError> {
-        self.reader.whole(number)
+impl Fields for Noting<'_> {
+    fn whole(&mut self, number: Number, given: i64) -> Result<i64, PayloadError> {
+        self.reader.whole(number, given)
     }
 
     fn pass(&mut self, bits: u64) -> Result<(), PayloadError> {

@@ -3,7 +3,7 @@
 //! So every message that the decoder's tables allow can occur. Another decoder checks the tables against the
 //! standard.
 
-use super::{Number, Source, Writer};
+use super::{Fields, Number, Writer};
 use crate::PayloadError;
 
 /// A generator of messages.
@@ -31,13 +31,13 @@ impl Dice {
     }
 
     fn write(&mut self, number: Number, value: i64) -> i64 {
-        self.written.number(number, value).expect("it was drawn within its bounds");
+        self.written.whole(number, value).expect("it was drawn within its bounds");
         value
     }
 }
 
-impl Source for Dice {
-    fn whole(&mut self, number: Number) -> Result<i64, PayloadError> {
+impl Fields for Dice {
+    fn whole(&mut self, number: Number, _: i64) -> Result<i64, PayloadError> {
         let Number { least, most, .. } = number;
         let value = match self.below(8) {
             0 => least,
@@ -48,11 +48,11 @@ impl Source for Dice {
     }
 
     fn pass(&mut self, bits: u64) -> Result<(), PayloadError> {
-        (0..bits).try_for_each(|_| self.bit().map(drop))
+        (0..bits).try_for_each(|_| self.bit(false).map(drop))
     }
 
     /// Mostly few, since lists are nested; sometimes the most, if that is a small number.
-    fn count(&mut self, number: Number) -> Result<i64, PayloadError> {
+    fn count(&mut self, number: Number, _: i64) -> Result<i64, PayloadError> {
         let Number { least, most, .. } = number;
         let few = (least + self.below(3) as i64).min(most);
         let count = if self.below(40) == 0 && most <= 20 { most } else { few };
@@ -61,15 +61,14 @@ impl Source for Dice {
 
     /// Never: the oracle does not skip additions.
     fn extended(&mut self) -> Result<bool, PayloadError> {
-        self.written.bit(false);
-        Ok(false)
+        self.written.bit(false)
     }
 
     fn length(&mut self) -> Result<u64, PayloadError> {
         let long = self.below(20) == 0;
-        self.written.bit(long);
+        self.written.bit(long)?;
         let (number, below) = if long {
-            self.written.bit(false);
+            self.written.bit(false)?;
             (Number::new("length", 0, 16_383), 200)
         } else {
             (Number::new("length", 0, 127), 9)

@@ -1,6 +1,6 @@
 //! Parts of messages that are checked and skipped.
 
-use super::{Number, Source};
+use super::{Fields, Number};
 use crate::PayloadError;
 use std::ops::RangeInclusive;
 
@@ -73,16 +73,6 @@ pub(in crate::codec) const fn enumeration(what: &'static str, most: i64) -> Part
     Part::ExtensibleEnumeration(Number::new(what, 0, most))
 }
 
-/// Skipping of parts.
-pub(in crate::codec) trait Skip: Source {
-    /// Checks and skips a part if its bit marked it as present.
-    fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {
-        if there { part.skip(self) } else { Ok(()) }
-    }
-}
-
-impl<S: Source> Skip for S {}
-
 impl Part {
     /// A number from `least` to `most`.
     pub(in crate::codec) const fn whole(what: &'static str, least: i64, most: i64) -> Self {
@@ -94,60 +84,58 @@ impl Part {
         Self::whole(what, 0, (1 << size) - 1)
     }
 
-    /// Checks and skips the part.
-    pub(super) fn skip(&self, from: &mut impl Source) -> Result<(), PayloadError> {
+    /// Checks and skips the part. It is written without content: empty, or with unknown numbers.
+    pub(super) fn skip(&self, fields: &mut impl Fields) -> Result<(), PayloadError> {
         match self {
-            Self::Whole(number) => from.whole(*number).map(drop),
+            Self::Whole(number) => fields.unread(*number),
             Self::ExtensibleNumber(number) => {
-                if from.bit()? {
-                    from.pass_open()
+                if fields.bit(false)? {
+                    fields.pass_open()
                 } else {
-                    from.whole(*number).map(drop)
+                    fields.unread(*number)
                 }
             }
-            Self::ExtensibleEnumeration(number) => {
-                if from.extended()? {
-                    from.pass_small()
-                } else {
-                    from.whole(*number).map(drop)
-                }
-            }
+            Self::ExtensibleEnumeration(number) => fields.enumeration(*number, number.most),
             Self::ExtensibleBits(size) => {
-                let bits = if from.bit()? { from.length()? } else { (*size).into() };
-                from.pass(bits)
+                let bits = if fields.bit(false)? { fields.length()? } else { (*size).into() };
+                fields.pass(bits)
             }
             Self::List(count, entry) => {
-                let count = from.count(*count)?;
-                (0..count).try_for_each(|_| entry.skip(from))
+                let count = fields.count(*count, count.least)?;
+                (0..count).try_for_each(|_| entry.skip(fields))
             }
-            Self::Sequence(form, fields) => skip_sequence(from, *form, fields),
-            Self::Choice(form, alternatives) => skip_choice(from, *form, alternatives),
-            Self::Open => from.pass_open(),
+            Self::Sequence(form, parts) => skip_sequence(fields, *form, parts),
+            Self::Choice(form, alternatives) => skip_choice(fields, *form, alternatives),
+            Self::Open => fields.pass_open(),
         }
     }
 }
 
-fn skip_sequence(from: &mut impl Source, form: Form, fields: &[Field]) -> Result<(), PayloadError> {
-    let extended = form == Form::Extensible && from.extended()?;
-    let optional = fields.iter().filter(|field| field.optional).count();
-    let bitmap = from.whole(Number::new("optional parts", 0, (1 << optional) - 1))?;
+fn skip_sequence(
+    fields: &mut impl Fields,
+    form: Form,
+    parts: &[Field],
+) -> Result<(), PayloadError> {
+    let extended = form == Form::Extensible && fields.extended()?;
+    let optional = parts.iter().filter(|field| field.optional).count();
+    let bitmap = fields.whole(Number::new("optional parts", 0, (1 << optional) - 1), 0)?;
     let mut there = (0..optional).rev().map(|bit| bitmap >> bit & 1 == 1);
-    for Field { optional, part } in fields {
+    for Field { optional, part } in parts {
         let there = !optional || there.next().unwrap_or(false);
-        from.skip(there, part)?;
+        fields.skip(there, part)?;
     }
-    if extended { from.pass_additions() } else { Ok(()) }
+    if extended { fields.pass_additions() } else { Ok(()) }
 }
 
 fn skip_choice(
-    from: &mut impl Source,
+    fields: &mut impl Fields,
     form: Form,
     alternatives: &[&Part],
 ) -> Result<(), PayloadError> {
-    if form == Form::Extensible && from.extended()? {
-        from.pass_small()?;
-        return from.pass_open();
+    if form == Form::Extensible && fields.extended()? {
+        fields.pass_small()?;
+        return fields.pass_open();
     }
     let number = Number::new("alternative", 0, alternatives.len() as i64 - 1);
-    alternatives[from.whole(number)? as usize].skip(from)
+    alternatives[fields.whole(number, 0)? as usize].skip(fields)
 }

@@ -1,6 +1,6 @@
 //! Fields from bits.
 
-use super::{Number, Source};
+use super::{Fields, Number};
 use crate::PayloadError;
 
 /// The bits of a message from the first one on.
@@ -28,8 +28,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-impl Source for Reader<'_> {
-    fn whole(&mut self, number: Number) -> Result<i64, PayloadError> {
+impl Fields for Reader<'_> {
+    fn whole(&mut self, number: Number, _: i64) -> Result<i64, PayloadError> {
         // The longest number of the standards has 42 bits, in at most seven bytes.
         let bits = number.bits();
         let (from, end) = self.advance(bits.into())?;
@@ -37,8 +37,7 @@ impl Source for Reader<'_> {
         let window = bytes.iter().fold(0, |window: u64, byte| window << 8 | u64::from(*byte));
         let behind = end.next_multiple_of(8) - end;
         let offset = window >> behind & ((1 << bits) - 1);
-        let value = number.least + offset as i64;
-        if number.contains(value) { Ok(value) } else { Err(number.refuses(value)) }
+        number.checked(number.least + offset as i64)
     }
 
     fn pass(&mut self, bits: u64) -> Result<(), PayloadError> {
@@ -62,7 +61,7 @@ mod tests {
     #[test]
     fn a_number_outside_its_bounds_and_one_that_is_cut_are_refused() {
         let number = Number::new("phase", 0, 9);
-        let phase = |bytes: &[u8]| read(bytes, |from| from.number::<u8>(number));
+        let phase = |bytes: &[u8]| read(bytes, |from| from.whole(number, 0));
         assert_eq!(phase(&[0x90]), Ok((9, 4)));
         let refused = PayloadError::Range { what: "phase", value: 10, least: 0, most: 9 };
         assert_eq!(phase(&[0xa0]), Err(refused));
@@ -76,7 +75,7 @@ mod tests {
             let bits = 0x2aa_aaaa_aaa1_u128 << (128 - 42 - shift);
             let value = read(&bits.to_be_bytes(), |from| {
                 from.pass(shift.into())?;
-                from.number::<u64>(long)
+                from.whole(long, 0)
             });
             assert_eq!(value, Ok((0x2aa_aaaa_aaa1, u64::from(shift) + 42)));
         }
@@ -86,8 +85,8 @@ mod tests {
     fn fields_that_a_later_version_adds_are_passed_over() {
         // Extended; no optional part; one bit; two known additions, the second present, of two octets; a 1.
         let bytes = [0b1100_0000, 0b1010_0000, 0b0101_0101, 0b0101_0101, 0b0101_0000];
-        let sequence = |from: &mut Reader<'_>| from.extensible(|from, []| from.bit());
-        let value = read(&bytes, |from| Ok((sequence(from)?, from.bit()?)));
+        let sequence = |from: &mut Reader<'_>| from.extensible([], |from, []| from.bit(false));
+        let value = read(&bytes, |from| Ok((sequence(from)?, from.bit(false)?)));
         assert_eq!(value, Ok(((true, true), 36)));
         assert_eq!(read(&bytes[..4], sequence), Err(PayloadError::Ends { bit: 19 }));
         // 65 known additions, the last present, without octets.
