@@ -6,6 +6,7 @@ use runtime::{Mode, Program, scheduling::Granted};
 use scenario::Scenario;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Name of the metadata record at a recording's begin.
@@ -13,8 +14,9 @@ const RUN: &str = "timegap";
 /// Name of the metadata record at the end of a recording that was ended.
 const END: &str = "timegap.end";
 
-/// Facts that are known when a recording begins.
-#[derive(Clone, Debug, PartialEq)]
+/// Facts that are known when a recording begins. Its record has one entry a field; a text stands there as it is, any
+/// other value as JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Metadata {
     /// Program and version that recorded.
     pub program: String,
@@ -31,14 +33,19 @@ pub struct Metadata {
     /// that the same run gives the same file.
     pub started_unix_ns: i64,
     /// The log time of run time 0, ns: the same, except for older files, whose log times are run time.
+    #[serde(default)]
     pub epoch_ns: i64,
     /// The machine; none in lockstep, where it changes nothing.
+    #[serde(flatten)]
     pub host: Option<Host>,
     /// Meaning of the law's numbers; empty if unknown.
+    #[serde(skip)]
     pub law: LawNames,
     /// Scheduling that the kernel granted to each service, by its name.
+    #[serde(skip)]
     pub scheduling: BTreeMap<String, Granted>,
     /// The programs of the user's that took part, by the service that they were or computed for.
+    #[serde(skip)]
     pub programs: BTreeMap<String, Program>,
 }
 
@@ -61,8 +68,9 @@ pub struct FigureName {
 }
 
 /// The machine that a run was recorded on.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Host {
+    #[serde(rename = "host")]
     pub name: String,
     pub kernel: String,
     /// Processors that the recorder may use.
@@ -113,28 +121,13 @@ impl Metadata {
     }
 
     pub(crate) fn to_record(&self) -> mcap::records::Metadata {
-        let mut map: BTreeMap<String, String> = [
-            ("program", self.program.clone()),
-            ("layout_version", self.layout_version.clone()),
-            ("scenario", self.scenario.clone()),
-            ("scenario_name", self.scenario_name.clone()),
-            ("controller", self.controller.clone()),
-            ("seed", self.seed.to_string()),
-            ("mode", self.mode.name().into()),
-            ("started_unix_ns", self.started_unix_ns.to_string()),
-            (EPOCH, self.epoch_ns.to_string()),
-            (LAW, serde_json::to_string(&self.law).expect("plain data")),
-        ]
-        .map(|(key, value)| (key.to_owned(), value))
-        .into();
-        if let Some(host) = &self.host {
-            let host = [
-                ("host", host.name.clone()),
-                ("kernel", host.kernel.clone()),
-                ("cpus", host.cpus.to_string()),
-            ];
-            map.extend(host.map(|(key, value)| (key.to_owned(), value)));
-        }
+        let facts = serde_json::to_value(self).expect("plain data");
+        let facts = facts.as_object().into_iter().flatten();
+        let entry = |(key, value): (&String, &Value)| {
+            (key.clone(), value.as_str().map_or_else(|| value.to_string(), str::to_owned))
+        };
+        let mut map: BTreeMap<String, String> = facts.map(entry).collect();
+        map.insert(LAW.into(), serde_json::to_string(&self.law).expect("plain data"));
         for enumeration in &ENUMERATIONS {
             let names: BTreeMap<_, _> = enumeration.values.iter().copied().collect();
             let json = serde_json::to_string(&names).expect("plain data");
@@ -147,31 +140,19 @@ impl Metadata {
 
     /// Reads it from a record of the file; `None` if it is another's, or not whole.
     pub(crate) fn of_record(name: &str, map: &BTreeMap<String, String>) -> Option<Self> {
-        let text = |key: &str| map.get(key).cloned();
         (name == RUN).then_some(())?;
-        let host = || {
-            Some(Host {
-                name: text("host")?,
-                kernel: text("kernel")?,
-                cpus: text("cpus")?.parse().ok()?,
-            })
+        let fact = |(key, text): (&String, &String)| {
+            let is_text = TEXTS.contains(&key.as_str());
+            let value =
+                if is_text { text.clone().into() } else { serde_json::from_str(text).ok()? };
+            Some((key.clone(), value))
         };
+        let facts = Value::Object(map.iter().filter_map(fact).collect());
         Some(Self {
-            program: text("program")?,
-            layout_version: text("layout_version")?,
-            scenario: text("scenario")?,
-            scenario_name: text("scenario_name")?,
-            controller: text("controller")?,
-            seed: text("seed")?.parse().ok()?,
-            mode: [Mode::Realtime, Mode::Lockstep]
-                .into_iter()
-                .find(|mode| text("mode").as_deref() == Some(mode.name()))?,
-            started_unix_ns: text("started_unix_ns")?.parse().ok()?,
-            epoch_ns: text(EPOCH).map_or(Some(0), |ns| ns.parse().ok())?,
-            host: host(),
-            law: text(LAW).and_then(|law| serde_json::from_str(&law).ok()).unwrap_or_default(),
+            law: map.get(LAW).and_then(|law| serde_json::from_str(law).ok()).unwrap_or_default(),
             scheduling: read_under(SCHEDULING, map),
             programs: read_under(PROGRAM, map),
+            ..serde_json::from_value(facts).ok()?
         })
     }
 }
@@ -194,9 +175,19 @@ fn read_under<T: DeserializeOwned>(
     values.collect()
 }
 
+/// Entries that are texts.
+const TEXTS: [&str; 8] = [
+    "program",
+    "layout_version",
+    "scenario",
+    "scenario_name",
+    "controller",
+    "mode",
+    "host",
+    "kernel",
+];
 const SCHEDULING: &str = "scheduling.";
 const PROGRAM: &str = "program.";
-const EPOCH: &str = "epoch_ns";
 const LAW: &str = "law";
 const NAMES: &str = "names.";
 

@@ -4,7 +4,7 @@ use crate::Damage;
 use crate::cdr::ENCAPSULATION;
 use crate::definitions::Definitions;
 use crate::source::{Source, Spot, Window};
-use bags::mcap::{self as format, HEAD, Malformed, opcode};
+use bags::mcap::{self as format, Malformed, opcode};
 use bags::mcap::{LONGEST_CHUNK, UnpackError, unpack};
 use messages::{Header, Message, Topic};
 use std::collections::VecDeque;
@@ -169,10 +169,10 @@ impl Records {
     }
 
     fn take_records(&mut self, bytes: &[u8]) -> Result<(), BrokenChunk> {
-        let mut at = 0;
-        while at < bytes.len() {
-            let (opcode, body) = record(&bytes[at..]).ok_or(BrokenChunk::Record)?;
-            at += HEAD + body.len();
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let (opcode, body, behind) = format::record(rest)?;
+            rest = behind;
             match opcode {
                 opcode::SCHEMA | opcode::CHANNEL => {
                     self.definitions.take(opcode, body)?;
@@ -189,7 +189,8 @@ impl Records {
                     if !is_ours(topic, payload) {
                         return Err(BrokenChunk::Payload(topic));
                     }
-                    let range = at - topic.message_bytes()..at;
+                    let end = bytes.len() - rest.len();
+                    let range = end - topic.message_bytes()..end;
                     let (log_time, publish_time) = (head.log_time, head.publish_time);
                     if self.entries.back().is_some_and(|last| last.log_time > log_time) {
                         return Err(BrokenChunk::Order);
@@ -217,13 +218,6 @@ impl Iterator for Records {
             range: entry.range,
         })
     }
-}
-
-/// Opcode and body of the record at the start of `bytes`, if all of it is there.
-fn record(bytes: &[u8]) -> Option<(u8, &[u8])> {
-    let (opcode, length) = format::head(bytes).ok()?;
-    let length = usize::try_from(length).ok()?;
-    Some((opcode, bytes[HEAD..].get(..length)?))
 }
 
 /// True if `payload` is a message of `topic` as we lay it out.

@@ -1,7 +1,7 @@
 //! A carrier instead of simulated roadside units and their air. Frames of another host's units, or of a capture, become
 //! `radio/frames`. It also sends the vehicle's own frames.
 
-use crate::report::{LinkReport, StationReport};
+use crate::report::LinkReport;
 use crate::unit_clock::UnitClock;
 use messages::{Header, MAX_FRAMES, Origin, RadioFrame, RadioFrames, RadioSent};
 use radio::{Carrier, ClockDifference, Frame, Role};
@@ -130,17 +130,10 @@ impl Link {
     }
 
     pub(crate) fn report(&self) -> LinkReport {
-        let report = self.carrier.report();
         LinkReport {
-            carrier: report.carrier,
-            sent: report.sent,
-            not_sent: report.not_sent,
-            received: report.received,
+            radio: self.carrier.report(),
             before_start: self.before_start,
-            dropped: report.dropped,
-            malformed: report.malformed,
             truth_known: self.unit.is_some(),
-            stations: report.stations.into_iter().map(station).collect(),
         }
     }
 }
@@ -191,20 +184,6 @@ fn write(place: &mut RadioFrame, frame: &Frame, utc_start_ns: i64) {
     let sent_ns = sent_ns
         .map_or(RadioFrame::UNKNOWN_NS, |(sent_ns, ahead_ns)| sent_ns - ahead_ns - utc_start_ns);
     place.write(sent_ns, frame.received_ns - utc_start_ns, frame.bytes());
-}
-
-fn station(report: radio::StationReport) -> StationReport {
-    StationReport {
-        sender: report.sender,
-        received: report.received,
-        lost: report.lost,
-        duplicates: report.duplicates,
-        reordered: report.reordered,
-        implausible: report.implausible,
-        clock_offset_us: report.clock.map(|clock| clock.offset_us),
-        clock_uncertainty_us: report.clock.map(|clock| clock.uncertainty_us),
-        shortest_round_trip_us: report.clock.map(|clock| clock.shortest_round_trip_us),
-    }
 }
 
 #[cfg(test)]

@@ -130,52 +130,39 @@ impl Headers {
         let Some((header, rest)) = packet.split_at_checked(HEADER_BYTES) else {
             return Err(truncated(HEADER_BYTES));
         };
+        let number = |bytes: std::ops::Range<usize>| {
+            header[bytes].iter().fold(0_u64, |number, byte| number << 8 | u64::from(*byte))
+        };
         let (next_header, header_type) = (header[4] >> 4, header[5]);
         if (next_header, header_type) != (BTP_B, SINGLE_HOP_BROADCAST) {
             return Err(DecodeError::OtherHeader { header_type, next_header });
         }
-        let announced = GEONETWORKING_BYTES + usize::from(u16_at(header, 8));
+        let announced = GEONETWORKING_BYTES + number(8..10) as usize;
         let Some(payload) = announced.checked_sub(HEADER_BYTES).and_then(|n| rest.get(..n)) else {
             return Err(truncated(announced.max(HEADER_BYTES)));
         };
-        let address = u64_at(header, 12);
-        let accuracy_and_speed = u16_at(header, 32);
+        let address = number(12..20);
+        let accuracy_and_speed = number(32..34) as u16;
         let source = Source {
             station_type: StationType::of((address >> 58) as u8),
             address: address & 0xffff_ffff_ffff,
-            timestamp: u32_at(header, 20),
+            timestamp: number(20..24) as u32,
             position: Position {
-                latitude: u32_at(header, 24) as i32,
-                longitude: u32_at(header, 28) as i32,
+                latitude: number(24..28) as i32,
+                longitude: number(28..32) as i32,
             },
             accurate: accuracy_and_speed >> 15 == 1,
             // The sign is the highest of 15 bits.
             speed: (accuracy_and_speed << 1) as i16 >> 1,
-            heading: u16_at(header, 34),
+            heading: number(34..36) as u16,
         };
         let headers = Self {
             source,
             traffic_class: header[6] & 63,
-            port: u16_at(header, GEONETWORKING_BYTES),
+            port: number(GEONETWORKING_BYTES..GEONETWORKING_BYTES + 2) as u16,
         };
         Ok((headers, payload))
     }
-}
-
-fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
-    bytes[at..at + N].try_into().expect("the header has its full length")
-}
-
-fn u16_at(bytes: &[u8], at: usize) -> u16 {
-    u16::from_be_bytes(array(bytes, at))
-}
-
-fn u32_at(bytes: &[u8], at: usize) -> u32 {
-    u32::from_be_bytes(array(bytes, at))
-}
-
-fn u64_at(bytes: &[u8], at: usize) -> u64 {
-    u64::from_be_bytes(array(bytes, at))
 }
 
 #[cfg(test)]

@@ -26,7 +26,6 @@ impl Rule {
     ///
     /// assert!(Rule::LessThan.holds(1.0, 2.0));
     /// ```
-    #[must_use]
     pub fn holds(self, left: f64, right: f64) -> bool {
         match self {
             Self::EqualTo => left == right,
@@ -39,7 +38,6 @@ impl Rule {
     }
 
     /// True if it holds between values: as numbers where both are numbers, as text otherwise.
-    #[must_use]
     pub fn compares(self, left: &Value, right: &Value) -> bool {
         match (left.number(), right.number()) {
             (Some(left), Some(right)) => self.holds(left, right),
@@ -61,7 +59,6 @@ impl Rule {
 /// assert_eq!(instant_s("1970-01-01 00:00:01.5"), Some(1.5));
 /// assert_eq!(instant_s("19700101"), None);
 /// ```
-#[must_use]
 pub fn instant_s(text: &str) -> Option<f64> {
     let in_utc = || TimeZone::UTC.to_timestamp(text.parse().ok()?).ok();
     // A date alone, or a number, is not an instant.

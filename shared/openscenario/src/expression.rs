@@ -23,7 +23,6 @@ pub enum Value {
 
 impl Value {
     /// Reads a literal: a number, `true` or `false`, or else text.
-    #[must_use]
     pub fn literal(text: &str) -> Self {
         match text.trim() {
             "true" => Self::Boolean(true),
@@ -36,7 +35,6 @@ impl Value {
     }
 
     /// The number, if it is one.
-    #[must_use]
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Number(value) => Some(*value),
@@ -46,7 +44,6 @@ impl Value {
     }
 
     /// The text as an attribute holds it.
-    #[must_use]
     pub fn text(&self) -> String {
         match self {
             Self::Boolean(value) => value.to_string(),

@@ -151,24 +151,18 @@ impl Template {
 
 /// Reads and checks a scenario file.
 fn open_scenario(path: &Path, source: &dyn Source) -> Result<Document, ReadError> {
-    let other = |root: &xml::Element| {
-        let other = root.children.iter().find(|child| {
-            matches!(child.name.as_str(), "Catalog" | "ParameterValueDistribution")
-        })?;
-        let runs = if other.name == "Catalog" { "" } else { ", which `timegap campaign` runs" };
-        let reason = format!("this file holds a `{}`{runs}", other.name);
-        Some((reason, "`Entities` and `Storyboard`".to_owned()))
-    };
-    open(path, source, ScenarioFile::FORM, &other)
+    let others =
+        [("Catalog", ""), ("ParameterValueDistribution", ", which `timegap campaign` runs")];
+    open(path, source, ScenarioFile::FORM, (&others, "`Entities` and `Storyboard`"))
 }
 
-/// Reads a file and holds it against a form. `other` gives what is wrong and what was expected when the file
-/// is of another kind.
+/// Reads a file and holds it against a form. `others` are elements of other kinds of files, with a hint each, and what
+/// is expected in their place.
 pub(crate) fn open(
     path: &Path,
     source: &dyn Source,
     form: &'static Form,
-    other: &dyn Fn(&xml::Element) -> Option<(String, String)>,
+    (others, expected): (&[(&str, &str)], &str),
 ) -> Result<Document, ReadError> {
     let file = path.display().to_string();
     let text = source
@@ -176,9 +170,14 @@ pub(crate) fn open(
         .map_err(|error| ReadError::File { file: file.clone(), reason: error.to_string() })?;
     let document = xml::parse(&file, &text)?;
     check_head(&document, SCENARIO_VERSIONS)?;
-    if let Some((reason, expected)) = other(&document.root) {
+    if let Some((name, hint)) = others.iter().find(|(name, _)| document.root.child(name).is_some())
+    {
         let place = Place { file, spot: document.root.spot };
-        return Err(ReadError::Meaning { place, reason, expected });
+        return Err(ReadError::meaning(
+            place,
+            format!("this file holds a `{name}`{hint}"),
+            expected,
+        ));
     }
     check(&document.file, &document.root, form)?;
     Ok(document)

@@ -28,7 +28,6 @@ const UNUSED: &str = "Read, without effect";
 /// let table = openscenario::reference::markdown();
 /// assert!(table.contains("`TeleportAction` |"));
 /// ```
-#[must_use]
 pub fn markdown() -> String {
     let mut rows = Rows::default();
     for (name, form) in [

@@ -45,19 +45,16 @@ pub struct Attribute {
 
 impl Element {
     /// The text of an attribute.
-    #[must_use]
     pub fn attribute(&self, name: &str) -> Option<&str> {
         self.given(name).map(|attribute| attribute.value.as_str())
     }
 
     /// An attribute with its place.
-    #[must_use]
     pub fn given(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|attribute| attribute.name == name)
     }
 
     /// The first child of that name.
-    #[must_use]
     pub fn child(&self, name: &str) -> Option<&Element> {
         self.children.iter().find(|child| child.name == name)
     }

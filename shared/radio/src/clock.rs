@@ -43,8 +43,10 @@ pub struct ClockDifference {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClockComparison {
     /// The other clock minus the own one, us.
+    #[serde(rename = "clock_offset_us")]
     pub offset_us: f64,
     /// Largest error of `offset_us`, us.
+    #[serde(rename = "clock_uncertainty_us")]
     pub uncertainty_us: f64,
     /// Shortest round trip of a question and its answer, us.
     pub shortest_round_trip_us: f64,

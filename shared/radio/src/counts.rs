@@ -47,7 +47,8 @@ pub struct StationReport {
     /// Frames refused for a number far from all others.
     #[serde(default)]
     pub implausible: u64,
-    /// Its clock against this host's; null without an answer.
+    /// Its clock against this host's; absent without an answer.
+    #[serde(flatten)]
     pub clock: Option<ClockComparison>,
 }
 

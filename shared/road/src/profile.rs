@@ -162,7 +162,6 @@ impl Profile {
     }
 
     /// Adds `by_m` to the places of all stretches.
-    #[must_use]
     pub fn moved(mut self, by_m: f64) -> Self {
         for stretch in &mut self.stretches {
             stretch.from_m += by_m;
@@ -170,7 +169,6 @@ impl Profile {
         self
     }
 
-    #[must_use]
     pub fn negated(mut self) -> Self {
         for stretch in &mut self.stretches {
             stretch.factors = stretch.factors.map(|factor| 0.0 - factor);

@@ -172,7 +172,6 @@ fn list(item: &ItemEnum) -> Result<TokenStream, Error> {
             pub const ALL: [Self; #count] = [#(Self::#variants),*];
 
             /// The name in files and in results.
-            #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {
                     #(Self::#variants => #names),*

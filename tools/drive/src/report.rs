@@ -9,4 +9,4 @@ pub use plant::report::{
     BrakeFigures, ControlFigures, Hops, Outcome, Parts, PlantReport, SignalHops, WorstChain,
 };
 pub use runtime::report::{Payload, ReceivedTopic, SentTopic, ServiceReport};
-pub use v2x_sim::report::{LinkReport, StationReport};
+pub use v2x_sim::report::{ClockComparison, LinkReport, StationReport};

@@ -48,11 +48,8 @@ pub(crate) fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result
                 let body = body(file, length, LONGEST_CHUNK)?;
                 let unpacked = unpack(&records::chunk(&body)?).map_err(BagError::chunk)?;
                 let mut rest = unpacked.as_slice();
-                while let Some((head, behind)) = rest.split_at_checked(HEAD) {
-                    let (code, length) = records::head(head)?;
-                    let length = usize::try_from(length).map_err(|_| BagError::malformed())?;
-                    let whole = behind.split_at_checked(length);
-                    let (body, behind) = whole.ok_or_else(BagError::malformed)?;
+                while rest.len() >= HEAD {
+                    let (code, body, behind) = records::record(rest)?;
                     record(code, body, &mut schemas, sink)?;
                     rest = behind;
                 }

@@ -102,6 +102,14 @@ pub fn head(head: &[u8]) -> Result<(u8, u64), Malformed> {
     Ok((opcode, fields.u64()?))
 }
 
+/// Takes the record at the start of `bytes` apart: opcode and body, and the bytes behind it.
+pub fn record(bytes: &[u8]) -> Result<(u8, &[u8], &[u8]), Malformed> {
+    let (opcode, length) = head(bytes)?;
+    let mut fields = Fields(&bytes[HEAD..]);
+    let body = fields.bytes(usize::try_from(length).map_err(|_| Malformed)?)?;
+    Ok((opcode, body, fields.0))
+}
+
 /// A message type.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Schema<'a> {

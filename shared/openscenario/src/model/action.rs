@@ -63,7 +63,6 @@ pub enum Action {
 
 impl Action {
     /// The entity whose motion it depends on while it goes on.
-    #[must_use]
     pub fn follows(&self) -> Option<usize> {
         match self {
             Self::Profile(profile) => profile.relative_to,
@@ -75,7 +74,6 @@ impl Action {
 
 impl SpeedTarget {
     /// The entity whose speed it is seen from.
-    #[must_use]
     pub fn entity(&self) -> Option<usize> {
         match self {
             Self::Absolute(_) => None,
@@ -89,7 +87,6 @@ impl SpeedTarget {
     }
 
     /// True if it is kept up without end.
-    #[must_use]
     pub fn is_continuous(&self) -> bool {
         matches!(self, Self::Relative { continuous: true, .. })
     }
@@ -107,7 +104,6 @@ pub struct Transition {
 
 impl Transition {
     /// True if it takes no time.
-    #[must_use]
     pub fn is_immediate(&self) -> bool {
         self.shape == Shape::Step || (self.dimension != Dimension::Rate && self.value == 0.0)
     }

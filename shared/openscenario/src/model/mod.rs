@@ -98,7 +98,6 @@ pub struct InitAction {
 
 impl Script {
     /// The place of the entity with a name.
-    #[must_use]
     pub fn entity(&self, name: &str) -> Option<usize> {
         self.entities.iter().position(|entity| entity.name == name)
     }

@@ -45,7 +45,6 @@ pub enum Offset {
 
 impl Position {
     /// The entity that it is seen from.
-    #[must_use]
     pub fn entity(&self) -> Option<usize> {
         match self.from {
             From::Road { .. } => None,

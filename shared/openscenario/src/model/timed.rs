@@ -109,13 +109,11 @@ pub struct SignalPhase {
 
 impl SignalCycle {
     /// The duration of all phases, ns.
-    #[must_use]
     pub fn duration_ns(&self) -> u64 {
         self.until(self.phases.len())
     }
 
     /// The phase at a time after the first phase's beginning.
-    #[must_use]
     pub fn phase_at(&self, since_ns: u64) -> Option<usize> {
         let mut rest_ns = since_ns.checked_rem(self.duration_ns())?;
         self.phases.iter().position(|phase| {
@@ -126,7 +124,6 @@ impl SignalCycle {
     }
 
     /// The time from the beginning of the first phase to that of another one, ns.
-    #[must_use]
     pub fn until(&self, phase: usize) -> u64 {
         let before = self.phases.iter().take(phase);
         before.fold(0, |sum, phase| sum.saturating_add(phase.duration_ns))

@@ -56,7 +56,6 @@ impl Driven {
 
 impl Road {
     /// The line from a place on, `aside_m` to the left of its lane's middle, in a direction of the reference line.
-    #[must_use]
     pub fn driven(&self, lane: &Strip, from_m: f64, aside_m: f64, direction: f64) -> Driven {
         let center = self.lanes.center(self.lanes.section(from_m), lane.index);
         let length_m = self.length_m.unwrap_or(from_m);
@@ -71,7 +70,6 @@ impl Road {
     }
 
     /// Numbers of drivable lanes of the same direction to the left and to the right, without a break, as traffic faces.
-    #[must_use]
     pub fn neighbours(&self, lane: &Strip, s_m: f64) -> [usize; 2] {
         let strips = self.strips(s_m);
         let same =

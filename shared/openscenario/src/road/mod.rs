@@ -59,7 +59,6 @@ impl Part {
     /// let part = Part { id: "7".to_owned(), from_m: 300.0, length_m: 100.0, reversed: true };
     /// assert_eq!(part.place(30.0, 2.0), (370.0, -2.0));
     /// ```
-    #[must_use]
     pub fn place(&self, s_m: f64, t_m: f64) -> (f64, f64) {
         match self.reversed {
             false => (self.from_m + s_m, t_m),
@@ -68,13 +67,11 @@ impl Part {
     }
 
     /// The direction of its own reference line from the road's, rad.
-    #[must_use]
     pub fn heading_rad(&self) -> f64 {
         if self.reversed { std::f64::consts::PI } else { 0.0 }
     }
 
     /// A place of the road that is surely on this part, m.
-    #[must_use]
     pub fn inside(&self, s_m: f64) -> f64 {
         s_m.clamp(self.from_m, self.from_m.max(self.from_m + self.length_m - INSIDE_M))
     }
@@ -87,14 +84,12 @@ impl Road {
     /// let road = openscenario::road::Road::assumed();
     /// assert_eq!(road.lane(100.0, -2).map(|lane| lane.center_m), Some(-5.25));
     /// ```
-    #[must_use]
     pub fn assumed() -> Self {
         let ids = (-ASSUMED_LANES..=ASSUMED_LANES).filter(|id| *id != 0);
         Self::straight(ids, ASSUMED_LANES as usize, 0.0)
     }
 
     /// A straight road without end, with one lane around the reference line.
-    #[must_use]
     pub fn one_lane() -> Self {
         Self::straight(std::iter::once(-1), 0, 0.5 * ASSUMED_LANE_WIDTH_M)
     }
@@ -136,13 +131,11 @@ impl Road {
     }
 
     /// Start of its reference line in the plane.
-    #[must_use]
     pub fn start(&self) -> Pose {
         self.pieces.first().map_or(Pose::default(), |laid| laid.start)
     }
 
     /// The file's road of an id.
-    #[must_use]
     pub fn part(&self, id: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.id == id)
     }
@@ -153,7 +146,6 @@ impl Road {
     }
 
     /// The lane of an id at a place, m.
-    #[must_use]
     pub fn lane(&self, s_m: f64, id: i32) -> Option<Strip> {
         self.lanes.strip(s_m, id)
     }
@@ -172,13 +164,11 @@ impl Road {
     }
 
     /// The direction in which traffic drives on a lane: 1 along the reference line, -1 against it.
-    #[must_use]
     pub fn direction(&self, lane: &Strip) -> f64 {
         if lane.is_left == self.left_hand { 1.0 } else { -1.0 }
     }
 
     /// The lane nearest to a place, m.
-    #[must_use]
     pub fn lane_at(&self, s_m: f64, t_m: f64) -> Option<Strip> {
         let distance = |lane: &Strip| ((t_m - lane.center_m).abs() - 0.5 * lane.width_m).max(0.0);
         let nearest =
@@ -187,7 +177,6 @@ impl Road {
     }
 
     /// The lane some lanes to the left (in the direction of `s`) of the one at a place.
-    #[must_use]
     pub fn lane_beside(&self, s_m: f64, t_m: f64, lanes_left: i32) -> Option<Strip> {
         let index = i64::try_from(self.lane_at(s_m, t_m)?.index).ok()? + i64::from(lanes_left);
         let index = usize::try_from(index).ok()?;
@@ -195,13 +184,11 @@ impl Road {
     }
 
     /// True if a place, m, is on one of the lanes.
-    #[must_use]
     pub fn holds(&self, s_m: f64, t_m: f64) -> bool {
         self.lanes.strips(s_m).any(|lane| (t_m - lane.center_m).abs() <= 0.5 * lane.width_m)
     }
 
     /// Distance by which the middle of the lane moves to the left between two places, m. A lane that ends stays.
-    #[must_use]
     pub fn drift(&self, from_s_m: f64, t_m: f64, to_s_m: f64) -> f64 {
         let Some(lane) = self.lane_at(from_s_m, t_m) else { return 0.0 };
         let (from, to) = (self.lanes.section(from_s_m), self.lanes.section(to_s_m));
@@ -232,7 +219,6 @@ impl Road {
     }
 
     /// The steepest slope, up or down, as height over distance.
-    #[must_use]
     pub fn steepest_slope(&self) -> f64 {
         let stretches = self.heights.stretches();
         let mut steepest: f64 = 0.0;

@@ -49,15 +49,9 @@ impl Variation {
     /// # Errors
     /// As [`read::scenario`]; also when a distribution is empty or there are too many combinations.
     pub fn open(path: &Path, source: &dyn Source) -> Result<Self, ReadError> {
-        let other = |root: &crate::xml::Element| {
-            let other =
-                ["Storyboard", "Catalog"].into_iter().find(|name| root.child(name).is_some());
-            other.map(|_| {
-                let reason = "this file varies no parameters".to_owned();
-                (reason, format!("`{}`", ParameterValueDistribution::NAME))
-            })
-        };
-        let document = read::open(path, source, VariationFile::FORM, &other)?;
+        let others = [("Storyboard", " and varies no parameters"), ("Catalog", "")];
+        let expected = format!("`{}`", ParameterValueDistribution::NAME);
+        let document = read::open(path, source, VariationFile::FORM, (&others, &expected))?;
         let (scene, outside) = (Scene::new(source, path), Scope::default());
         let (file, element) = (&document.file, &document.root);
         let node = Node { file, element, scope: &outside, scene: &scene };
@@ -70,7 +64,6 @@ impl Variation {
     }
 
     /// Adds the place in this file to an error about a value that it gives to a parameter of its scenario.
-    #[must_use]
     pub fn locate(&self, error: ReadError) -> ReadError {
         match &error {
             ReadError::Override { name, .. } => match self.places.get(name) {
@@ -82,19 +75,16 @@ impl Variation {
     }
 
     /// Number of combinations.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.combinations.iter().map(Vec::len).product()
     }
 
     /// True if there are none. A file that was read has at least one.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// The values of one combination.
-    #[must_use]
     pub fn get(&self, index: usize) -> Vec<Assignment> {
         let mut rest = index;
         let mut values = Vec::new();

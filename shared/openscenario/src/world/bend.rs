@@ -72,7 +72,6 @@ pub struct Way {
 impl Way {
     /// The motion of an entity in the axis' coordinates. `s` is the place along it, `t` the offset to its left; the
     /// heading counts from its direction. `near_m` is a place of the axis near the entity.
-    #[must_use]
     pub fn along(&self, world: &World, entity: usize, near_m: f64) -> Motion {
         let motion = world.motion(entity);
         let pose = world.pose(&motion).seen_from(&self.start);
@@ -86,7 +85,6 @@ impl Way {
     }
 
     /// The motion on the road of what is in the axis' coordinates. `near_s_m` is a place of the road near it.
-    #[must_use]
     pub fn on_road(&self, world: &World, motion: &Motion, near_s_m: f64) -> Motion {
         let at = self.axis.point(motion.s_m, motion.t_m).placed(&self.start);
         let (s_m, t_m) = world.ground.project((at.x_m, at.y_m), near_s_m);

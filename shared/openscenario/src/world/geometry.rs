@@ -19,7 +19,6 @@ pub struct Extent {
 
 impl Extent {
     /// The extent of a body in motion.
-    #[must_use]
     pub fn of(body: &Body, motion: &Motion) -> Self {
         let s = Interval::of(body, motion, 0.0);
         let t = Interval::of(body, motion, std::f64::consts::FRAC_PI_2);
@@ -27,13 +26,11 @@ impl Extent {
     }
 
     /// The end that a body shows which faces along the road (`direction` above 0) or against it, m.
-    #[must_use]
     pub fn front_s_m(&self, direction: f64) -> f64 {
         if direction > 0.0 { self.to_s_m } else { self.from_s_m }
     }
 
     /// True if two extents overlap.
-    #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.from_s_m < other.to_s_m
             && other.from_s_m < self.to_s_m

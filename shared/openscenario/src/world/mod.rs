@@ -71,7 +71,6 @@ pub enum WorldError {
 
 impl WorldError {
     /// The entity that the error is about.
-    #[must_use]
     pub fn entity(&self) -> Option<&str> {
         match self {
             Self::Start { entity, .. } => Some(entity),
@@ -221,36 +220,30 @@ impl World {
     }
 
     /// The state, for [`World::restore`].
-    #[must_use]
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    #[must_use]
     pub fn script(&self) -> &Script {
         &self.script
     }
 
     /// The motion of an entity.
-    #[must_use]
     pub fn motion(&self, entity: usize) -> Motion {
         self.state.movers[entity].motion
     }
 
     /// The extent of an entity's body on the road.
-    #[must_use]
     pub fn extent(&self, entity: usize) -> Extent {
         Extent::of(&self.script.entities[entity].body, &self.motion(entity))
     }
 
     /// The drive has come to its end: the stop trigger has fired, or the ego's road has ended.
-    #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.state.stopped
     }
 
     /// The ego's front came to the end of its road. The part beyond is in no file.
-    #[must_use]
     pub fn has_road_ended(&self) -> bool {
         self.state.road_ended
     }

@@ -24,24 +24,18 @@ impl World {
     /// Places the entities of Init's teleports, each after the one that it is placed from.
     pub(super) fn place(&mut self) -> Result<(), WorldError> {
         let script = Arc::clone(&self.script);
-        let refuse = |actor: usize, reason| {
-            let reason = format!("cannot be placed: {reason}");
-            Err(WorldError::Start { entity: script.entities[actor].name.clone(), reason })
-        };
         let places = script.init.iter().filter_map(|item| match (&item.action, item.actor) {
             (Action::Teleport(position), Some(actor)) => Some((actor, position)),
             (Action::Add { entity, position }, _) => Some((*entity, position)),
             _ => None,
         });
-        let placed = match in_order(places.collect(), |position| position.entity()) {
-            Ok(placed) => placed,
-            Err(actor) => {
-                return refuse(actor, "the entities that it is placed from depend on each other");
-            }
-        };
+        let circle = "cannot be placed: the entities that it is placed from depend on each other";
+        let placed = self.in_order(places.collect(), |position| position.entity(), circle)?;
         for (actor, position) in placed {
             let Some((s_m, t_m, heading_rad)) = self.resolve(position) else {
-                return refuse(actor, "the lane or the entity that it is placed from is not there");
+                let reason =
+                    "cannot be placed: the lane or the entity that it is placed from is not there";
+                return Err(self.no_start(actor, reason));
             };
             fits_its_lane(&script, actor, s_m, t_m)?;
             let motion = &mut self.state.movers[actor].motion;
@@ -59,14 +53,33 @@ impl World {
             }
             _ => None,
         });
-        let speeds = in_order(speeds.collect(), |target| target.entity()).map_err(|actor| {
-            let reason = "has a speed at the start that depends on itself".to_owned();
-            WorldError::Start { entity: script.entities[actor].name.clone(), reason }
-        })?;
-        for (actor, target) in speeds {
+        let circle = "has a speed at the start that depends on itself";
+        for (actor, target) in self.in_order(speeds.collect(), |target| target.entity(), circle)? {
             self.state.movers[actor].motion.speed_mps = self.target_speed(target);
         }
         Ok(())
+    }
+
+    /// Entities with what they wait for, each after the entity that it waits for. `circle` is wrong with one that waits
+    /// for itself.
+    fn in_order<T>(
+        &self,
+        mut open: Vec<(usize, T)>,
+        waits_for: impl Fn(&T) -> Option<usize>,
+        circle: &str,
+    ) -> Result<Vec<(usize, T)>, WorldError> {
+        let mut done = Vec::with_capacity(open.len());
+        while !open.is_empty() {
+            let is_open = |other: usize| open.iter().any(|(actor, _)| *actor == other);
+            let next = open.iter().position(|(_, it)| !waits_for(it).is_some_and(is_open));
+            done.push(open.remove(next.ok_or_else(|| self.no_start(open[0].0, circle))?));
+        }
+        Ok(done)
+    }
+
+    fn no_start(&self, actor: usize, reason: &str) -> WorldError {
+        let entity = self.script.entities[actor].name.clone();
+        WorldError::Start { entity, reason: reason.to_owned() }
     }
 
     /// Begins an action for its actors. `element` is the storyboard's action that it belongs to.
@@ -337,18 +350,4 @@ impl World {
             self.state.movers[entity].motion = Motion::default();
         }
     }
-}
-
-/// Entities with what they wait for, each after the entity that it waits for. An entity of a circle is the error.
-fn in_order<T>(
-    mut open: Vec<(usize, T)>,
-    waits_for: impl Fn(&T) -> Option<usize>,
-) -> Result<Vec<(usize, T)>, usize> {
-    let mut done = Vec::with_capacity(open.len());
-    while !open.is_empty() {
-        let is_open = |other: usize| open.iter().any(|(actor, _)| *actor == other);
-        let next = open.iter().position(|(_, it)| !waits_for(it).is_some_and(is_open));
-        done.push(open.remove(next.ok_or(open[0].0)?));
-    }
-    Ok(done)
 }

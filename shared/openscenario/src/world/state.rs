@@ -23,7 +23,6 @@ pub struct Motion {
 
 impl Motion {
     /// 1 for an entity that faces along the road, -1 for one that faces against it.
-    #[must_use]
     pub fn direction(&self) -> f64 {
         if libm::cos(self.heading_rad) < 0.0 { -1.0 } else { 1.0 }
     }

@@ -123,7 +123,6 @@ tables! {
 
 impl Plant {
     /// Words behind the unit: its starts and its map.
-    #[must_use]
     pub fn unit_words(&self) -> Vec<String> {
         unit_words(&self.fmu_start, &self.fmu_map).collect()
     }

@@ -75,7 +75,6 @@ impl ScenarioError {
     }
 
     /// Says what would have been right.
-    #[must_use]
     pub(crate) fn expecting(mut self, expected: impl Into<String>) -> Self {
         let expected = expected.into();
         if !expected.is_empty() {

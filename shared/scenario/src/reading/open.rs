@@ -241,7 +241,6 @@ impl Source {
     }
 
     /// A drive of the ego through a configuration of SUMO.
-    #[must_use]
     pub fn of_sumo(path: &Path, ego: &str) -> Self {
         let name =
             crate::translation::word(path.file_stem().and_then(|stem| stem.to_str()), "sumo");

@@ -58,7 +58,6 @@ impl Overrides {
 
     /// The same for a file that is run with several laws. A key that one of them does not read is
     /// noted, not refused.
-    #[must_use]
     pub fn shared(self) -> Self {
         Self { are_shared: true, ..self }
     }

@@ -38,7 +38,6 @@ impl Problem {
     }
 
     /// Names the key that this one contradicts.
-    #[must_use]
     pub fn against(self, path: &str) -> Self {
         Self { against: Some(path.to_owned()), ..self }
     }

@@ -1,7 +1,6 @@
 //! Words that are accepted, and the one that was meant.
 
 /// The accepted words as an author writes them, with the nearest one where `refused` may be a slip of it.
-#[must_use]
 pub fn accepted<'a>(refused: &str, words: impl IntoIterator<Item = &'a str>) -> String {
     let words: Vec<&str> = words.into_iter().collect();
     let quoted: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();

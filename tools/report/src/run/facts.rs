@@ -7,7 +7,7 @@ use messages::Service;
 use messages::level::Level;
 use std::collections::BTreeMap;
 use supervise::RecordingSummary;
-use supervise::report::{ProgramReport, StationReport};
+use supervise::report::{ClockComparison, ProgramReport, StationReport};
 
 /// Most changes of mode that are listed.
 const MOST_CHANGES: usize = 8;
@@ -271,20 +271,17 @@ pub fn radio(summary: &Summary) -> Vec<Fact> {
 pub fn link(summary: &Summary) -> Vec<Fact> {
     let Some(link) = &summary.link else { return Vec::new() };
     let count = |count: u64| (count > 0).then(|| count.to_string());
+    let radio = &link.radio;
+    let frames =
+        format!("{}: {} frames received, {} sent", radio.carrier, radio.received, radio.sent);
     let mut lines = facts([
-        (
-            "link",
-            Some(format!(
-                "{}: {} frames received, {} sent",
-                link.carrier, link.received, link.sent
-            )),
-        ),
+        ("link", Some(frames)),
         ("… from before the start", count(link.before_start)),
-        ("… for which the queue was full", count(link.dropped)),
-        ("… packets that are not frames", count(link.malformed)),
-        ("… own frames not sent", count(link.not_sent)),
+        ("… for which the queue was full", count(radio.dropped)),
+        ("… packets that are not frames", count(radio.malformed)),
+        ("… own frames not sent", count(radio.not_sent)),
     ]);
-    for station in link.stations.iter().filter(|station| station.received > 0) {
+    for station in radio.stations.iter().filter(|station| station.received > 0) {
         let StationReport { sender, received, lost, duplicates, reordered, .. } = station;
         let clock = clock(station).map_or_else(String::new, |clock| format!("; {clock}"));
         lines.push((
@@ -300,7 +297,7 @@ pub fn link(summary: &Summary) -> Vec<Fact> {
 }
 
 fn clock(station: &StationReport) -> Option<String> {
-    let (offset_us, uncertainty_us) = station.clock_offset_us.zip(station.clock_uncertainty_us)?;
+    let ClockComparison { offset_us, uncertainty_us, .. } = station.clock?;
     let (sign, by) = (if offset_us < 0.0 { "behind" } else { "ahead" }, offset_us.abs());
     Some(format!("its clock {} {sign}, known to {}", duration(by), duration(uncertainty_us)))
 }
