@@ -4,7 +4,7 @@ use super::container::{
     ACCELERATION, ACCELERATION_CONFIDENCE, ACCELERATION_CONTROL, LANE_POSITION, OTHER_ACCELERATION,
     PATH_HISTORY, PERFORMANCE_CLASS, SPECIAL_VEHICLE, STEERING_WHEEL, TOLLING_ZONE,
 };
-use super::uper::{Fields, Number, Part};
+use super::uper::{Fields, Number, Part, Skip};
 use super::{LATITUDE, LONGITUDE, STATION_ID};
 use crate::PayloadError;
 use crate::cam::{Cam, LowFrequency, Motion};

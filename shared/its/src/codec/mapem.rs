@@ -7,7 +7,7 @@ use super::dsrc::{
     SPEED_LIMITS, VEHICLE_ATTRIBUTES,
 };
 use super::spatem::{INTERSECTIONS, reference};
-use super::uper::{Fields, Number, Part};
+use super::uper::{Fields, Number, Part, Skip};
 use super::{LATITUDE, LONGITUDE, STATION_ID};
 use crate::PayloadError;
 use crate::geodesy::Position;

@@ -5,7 +5,7 @@ use super::dsrc::{
     ADVISORY_SPEEDS, ENABLED_LANES, MANEUVER_ASSIST, MINUTE, NAME, REGION, REGIONALS, REVISION,
     SIGNAL_GROUP,
 };
-use super::uper::{Fields, Number};
+use super::uper::{Fields, Number, Skip};
 use crate::PayloadError;
 use crate::spatem::{
     IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing,

@@ -1,6 +1,5 @@
 //! Fields in order, and the ways in which a type of the standards can be extended.
 
-use super::Part;
 use crate::PayloadError;
 
 /// A constrained whole number (clause 11.5): a field's name and bounds. It also describes an enumeration, the
@@ -168,17 +167,11 @@ pub(in crate::codec) trait Fields: Sized {
         &mut self,
         count: Number,
         entries: &mut Vec<T>,
-        each: impl FnMut(&mut Self, &mut T) -> Result<(), PayloadError>,
+        mut each: impl FnMut(&mut Self, &mut T) -> Result<(), PayloadError>,
     ) -> Result<(), PayloadError> {
-        let mut each = each;
         let count = self.count(count, i64::try_from(entries.len()).unwrap_or(i64::MAX))?;
         entries.resize_with(count as usize, T::default);
         entries.iter_mut().try_for_each(|entry| each(self, entry))
-    }
-
-    /// Checks and skips a part if its bit marked it as present.
-    fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {
-        if there { part.skip(self) } else { Ok(()) }
     }
 
     /// The additions of an extended sequence (clauses 19.7 to 19.9): their presence, and each after its

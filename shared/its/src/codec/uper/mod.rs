@@ -19,6 +19,6 @@ mod writer;
 pub(super) mod dice;
 
 pub(super) use fields::{Fields, Number};
-pub(super) use part::{Form, Part, enumeration, extensible, fixed, list, optional, required};
+pub(super) use part::{Form, Part, Skip, enumeration, extensible, fixed, list, optional, required};
 pub(super) use reader::Reader;
 pub(super) use writer::Writer;

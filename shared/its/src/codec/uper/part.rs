@@ -73,6 +73,16 @@ pub(in crate::codec) const fn enumeration(what: &'static str, most: i64) -> Part
     Part::ExtensibleEnumeration(Number::new(what, 0, most))
 }
 
+/// Skipping of parts.
+pub(in crate::codec) trait Skip: Fields {
+    /// Checks and skips a part if its bit marked it as present.
+    fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {
+        if there { part.skip(self) } else { Ok(()) }
+    }
+}
+
+impl<F: Fields> Skip for F {}
+
 impl Part {
     /// A number from `least` to `most`.
     pub(in crate::codec) const fn whole(what: &'static str, least: i64, most: i64) -> Self {
