@@ -51,7 +51,7 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         }
         ("janitor", _) => "the root of a run",
         ("bench", _) => "its root and job",
-        ("node", _) => "the root of a run, a node and a process of it",
+        ("node", _) => "a node, the root of a run and a process of the node",
         ("hog", _) => "the root of a run, a resource and an amount",
         ("bridge" | "ros2-law", _) => "a program that was built with `--features bridge`",
         (name, _) => {

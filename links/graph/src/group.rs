@@ -1,21 +1,20 @@
-//! The nodes as a process group: start, faults, supervision, end. Each node has the car's succession of processes.
+//! The nodes as a process group: the car's supervision ([`Roster`]), with faults of a graph.
 
 use crate::node::LOOK_NS;
 use crate::plan::{Fault, Graph};
-use crate::times::NodeCounts;
+use crate::times::{self, NodeCounts};
 use bench::setup::Scheduling;
 use bench::stage::Stage;
-use runtime::scheduling::{Granted, Priority};
-use runtime::{
-    ActiveProcess, FromService, Group, Guest, Progress, StartOrder, ToService, monotonic_ns,
-};
+use runtime::scheduling::Priority;
+use runtime::{Figures, FromService, Group, Guest, monotonic_ns};
 use scenario::supervision::Supervision;
-use serde::Serialize;
-use std::ffi::OsStr;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-use supervise::succession::{Event, Phase, Standby, Step, Succession};
-use supervise::{Attendant, Error, Exit, MachineError, Meaning, Share, Silence};
+use std::fmt;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+use supervise::succession::{self, Phase, Step};
+use supervise::{
+    Error, Event, FaultLog, FaultRecord, MachineError, Role, Roster, Unready, follow_signals,
+};
 
 /// Time in which all nodes must be ready.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -25,369 +24,218 @@ const START_DELAY_NS: i64 = 50_000_000;
 const RESTART_NS: i64 = 5_000_000_000;
 /// Time that a process gets to leave.
 const GRACE: Duration = Duration::from_secs(2);
-/// Time between two looks at the processes.
+/// Longest time between two looks at the processes.
 const LOOK: Duration = Duration::from_millis(1);
 /// Further silence that a node's program may need, ns.
 const PROGRAM_NS: i64 = 1_000_000_000;
 /// Priority of the launcher, as in a car's group: below the nodes, above other programs.
 const PRIORITY: u8 = 10;
 
-/// A fault that was asked for, or an end or silence that was not.
-#[derive(Clone, Debug, Serialize)]
-pub struct Record {
-    /// Run time of its begin, s.
-    pub t_s: f64,
-    /// `kill camera`, `stop camera`, `delay image`; `died` and `hung` were not asked for.
-    pub fault: String,
-    /// Time until the launcher or the standby noticed it, µs.
-    pub detected_after_us: Option<f64>,
-    /// Time until the first cycle of the next process, µs.
-    pub recovered_after_us: Option<f64>,
-    /// `restart` or `take-over`.
-    pub recovered_by: Option<&'static str>,
-    #[serde(skip)]
-    node: Option<usize>,
-    /// The process that is gone or hangs, and cycles of the node when that was noticed.
-    #[serde(skip)]
-    awaits: Option<(u32, u64)>,
+/// A node by its place in the graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seat {
+    place: usize,
+    name: &'static str,
 }
 
-struct Process {
-    incarnation: u32,
-    attendant: Attendant,
-    silence: Silence,
-    progress: Option<Progress>,
-    /// Its end was noted.
-    is_settled: bool,
+impl fmt::Display for Seat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
 }
 
-pub struct Member {
-    pub succession: Succession,
-    pub counts: NodeCounts,
-    pub granted: Option<Granted>,
-    /// Time for which it waited for the processor, ms.
-    pub starved_ms: f64,
-    processes: Vec<Process>,
-    /// Longest silence of its loop, ns.
-    limit_ns: i64,
-}
+impl Role for Seat {
+    const IS_SEEN_BY_COUNTS: bool = true;
 
-impl Member {
-    fn process(&mut self, incarnation: u32) -> Option<&mut Process> {
-        self.processes.iter_mut().find(|process| process.incarnation == incarnation)
+    fn words(self) -> Vec<String> {
+        vec!["node".to_owned(), self.place.to_string()]
     }
 
-    fn active(&mut self) -> Option<&mut Process> {
-        self.process(self.succession.active())
+    /// Nodes check epochs alone: the topics are the graph's own.
+    fn enroll(self, _: &str, _: u32, _: u32) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn figures(self, group: &Group) -> Figures {
+        Figures::of(group, times::counts_of(self.place))
     }
 }
 
 pub struct Launcher<'a> {
     graph: &'a Graph,
-    stage: &'a Stage,
-    pub group: Group,
+    pub roster: Roster<'a, Seat>,
     guest: Guest,
-    pub members: Vec<Member>,
-    pub records: Vec<Record>,
+    seats: Vec<Seat>,
+    pub counts: Vec<NodeCounts>,
+    pub log: FaultLog<Seat>,
     /// Why the run ended early.
     pub broken: Option<String>,
     /// Begin and end of each fault were acted on.
     acted: Vec<[bool; 2]>,
-    /// Process group of the nodes.
-    leader: i32,
-    start_ns: i64,
+    /// The active process of each node at the last look, and the node's cycles.
+    seen: Vec<(u32, u64)>,
     _priority: Option<Priority>,
 }
 
 impl<'a> Launcher<'a> {
-    /// Starts all processes.
-    pub fn start(graph: &'a Graph, stage: &'a Stage) -> Result<Self, Error> {
-        let group = Group::read(stage.root().path())?;
-        graph.write(stage.root().path())?;
-        let guest = Guest::join(&group, "graph")?;
-        let policy = Supervision::default();
-        let timeout_ns = policy.heartbeat_timeout_ms.nanoseconds().cast_signed();
-        let mut members = Vec::new();
-        for (index, node) in graph.nodes.iter().enumerate() {
-            let program_ns = node.program.as_ref().map_or(0, |_| PROGRAM_NS);
-            members.push(Member {
-                succession: Succession::new(&policy, policy.restart, node.standby),
-                counts: NodeCounts::open(index, &group)?,
-                granted: None,
-                starved_ms: 0.0,
-                processes: Vec::new(),
-                limit_ns: timeout_ns + LOOK_NS + 2 * node.load_ns() + program_ns,
-            });
-        }
-        let mut this = Self {
+    /// A launcher on a stage, before it starts anything.
+    pub fn new(graph: &'a Graph, stage: &'a Stage) -> Result<Self, Error> {
+        let mut group = Group::read(stage.root().path())?;
+        group.scenario = serde_json::to_vec(graph).expect("plain data");
+        group.write()?;
+        let counts = (0..graph.nodes.len()).map(|node| NodeCounts::open(node, &group));
+        let (sender, events) = channel();
+        follow_signals(sender.clone())?;
+        // Threads of the processes have the names to the end.
+        let seat = |(place, name): (usize, String)| Seat { place, name: name.leak() };
+        let names = graph.nodes.iter().map(|node| node.name.as_str().to_owned());
+        Ok(Self {
             graph,
-            stage,
-            group,
-            guest,
-            members,
-            records: Vec::new(),
+            guest: Guest::join(&group, "graph")?,
+            seats: names.enumerate().map(seat).collect(),
+            counts: counts.collect::<Result<_, _>>()?,
+            roster: Roster::new(stage.root(), group, (sender, events))?,
+            log: FaultLog::default(),
             broken: None,
             acted: vec![[false; 2]; graph.faults.len()],
-            leader: 0,
-            start_ns: 0,
+            seen: vec![(0, 0); graph.nodes.len()],
             _priority: (graph.scheduling == Scheduling::Fifo).then(|| Priority::raise(PRIORITY)),
-        };
-        for (node, of) in graph.nodes.iter().enumerate() {
-            (0..=u32::from(of.standby))
-                .try_for_each(|incarnation| this.spawn(node, incarnation))?;
-        }
-        stage.watch(this.leader);
-        Ok(this)
+        })
     }
 
-    fn spawn(&mut self, node: usize, incarnation: u32) -> Result<(), Error> {
-        // A process group ends with its last process.
-        let mut all = self.members.iter_mut().flat_map(|member| &mut member.processes);
-        if all.all(|process| process.attendant.is_gone()) {
-            self.leader = 0;
+    /// Starts all processes.
+    pub fn start(&mut self) -> Result<(), Error> {
+        let policy = Supervision::default();
+        for (seat, node) in self.seats.iter().zip(&self.graph.nodes) {
+            self.roster.start(*seat, None, (&policy, policy.restart, node.standby))?;
         }
-        let words = [node.to_string(), incarnation.to_string()];
-        let words = words.each_ref().map(OsStr::new);
-        let (name, root) = (self.graph.nodes[node].name.as_str(), self.stage.root());
-        let attendant = Attendant::spawn_as(name, "node", &words, root, self.leader)?;
-        if self.leader == 0 {
-            self.leader = attendant.pid();
-        }
-        let silence = Silence::from(self.now_ns());
-        let (progress, is_settled) = (None, false);
-        let process = Process { incarnation, attendant, silence, progress, is_settled };
-        self.members[node].processes.push(process);
         Ok(())
     }
 
-    fn now_ns(&self) -> i64 {
-        monotonic_ns() - self.start_ns
-    }
-
     /// Waits until all processes are ready, and gives them the common start.
-    pub fn begin(&mut self, interrupted: &AtomicBool) -> Result<(), Error> {
-        let begun = Instant::now();
-        for (node, member) in self.members.iter_mut().enumerate() {
-            for process in &mut member.processes {
-                loop {
-                    let how = match process.attendant.receive(Duration::from_millis(20)) {
-                        Some(FromService::Ready(granted)) => break member.granted = Some(granted),
-                        Some(FromService::Failed(how)) => format!("fails: {how}"),
-                        _ if interrupted.load(Ordering::Relaxed) => return Err(Error::Interrupted),
-                        _ if process.attendant.is_gone() => "ended at once".to_owned(),
-                        _ if begun.elapsed() > PATIENCE => "is not ready in time".to_owned(),
-                        _ => continue,
-                    };
-                    let name = self.graph.nodes[node].name.as_str();
-                    return Err(MachineError(format!("node {name} {how}")).into());
-                }
-            }
-        }
-        self.start_ns = monotonic_ns() + START_DELAY_NS;
-        for (node, of) in self.graph.nodes.iter().enumerate() {
-            (0..=u32::from(of.standby)).try_for_each(|one| self.follow(node, Event::Ready(one)))?;
-        }
+    pub fn begin(&mut self) -> Result<(), Error> {
+        self.roster.wait_until_ready(PATIENCE).map_err(|why| match why {
+            Unready::Interrupted => Error::Interrupted,
+            Unready::Member(node, what) => MachineError(format!("node {node} {what}")).into(),
+        })?;
+        self.roster.begin_all(monotonic_ns() + START_DELAY_NS);
         Ok(())
     }
 
     /// Follows the run until its end. `watch` gets the run time, ns.
-    pub fn run(
-        &mut self,
-        interrupted: &AtomicBool,
-        mut watch: impl FnMut(i64),
-    ) -> Result<(), Error> {
+    pub fn run(&mut self, mut watch: impl FnMut(i64)) -> Result<(), Error> {
         let length_ns = self.graph.duration_s.nanoseconds().cast_signed();
-        while self.now_ns() < length_ns && self.broken.is_none() {
-            if interrupted.load(Ordering::Relaxed) {
-                return Err(Error::Interrupted);
-            }
-            watch(self.now_ns());
+        while self.roster.now_ns() < length_ns && self.broken.is_none() {
+            let event = self.roster.events.recv_timeout(LOOK);
+            watch(self.roster.now_ns());
+            event.map_or(Ok(()), |event| self.take(event))?;
             self.apply_faults();
-            (0..self.members.len()).try_for_each(|node| self.look(node))?;
-            std::thread::sleep(LOOK);
+            self.look()?;
         }
         watch(length_ns);
         Ok(())
     }
 
-    /// Looks at the processes of a node.
-    fn look(&mut self, node: usize) -> Result<(), Error> {
-        let (now_ns, mut events, mut hangs) = (self.now_ns(), Vec::new(), false);
-        let member = &mut self.members[node];
-        let (active, standby) = (member.succession.active(), member.succession.standby());
-        for process in member.processes.iter_mut().filter(|process| !process.is_settled) {
-            let incarnation = process.incarnation;
-            while let Some(message) = process.attendant.receive(Duration::ZERO) {
-                match message {
-                    FromService::Ready(_) => events.push((Event::Ready(incarnation), now_ns)),
-                    FromService::TookOver(told) => {
-                        events
-                            .push((Event::TookOver(incarnation), told.noticed_ns - self.start_ns));
-                    }
-                    FromService::Failed(how) => report::print::note(&format!("note: {how}")),
-                    _ => {}
-                }
+    fn take(&mut self, event: Event<Seat>) -> Result<(), Error> {
+        let (who, event) = match event {
+            Event::Message(who, FromService::Ready(_)) => {
+                (who, succession::Event::Ready(who.incarnation))
             }
-            if process.attendant.is_gone() {
-                process.is_settled = true;
-                let status = process.attendant.end(Duration::ZERO);
-                let failed = status.is_none_or(|status| Exit::of(status).is_failure());
-                events.push((Event::Gone { incarnation, failed }, now_ns));
+            Event::Message(who, FromService::TookOver(told)) => {
+                if !self.roster.is_taken_over(who, told, &mut self.log) {
+                    return Ok(());
+                }
+                (who, succession::Event::TookOver(who.incarnation))
+            }
+            Event::Gone(who) => {
+                let is_active = self.roster.is_active(who);
+                let settled = self.roster.of(who.role).settle(who.incarnation);
+                let Some((exit, _)) = settled else { return Ok(()) };
+                if is_active {
+                    let (next, now_ns) = (who.incarnation + 1, self.roster.now_ns());
+                    self.log.detected(who.role, "died", next, None, now_ns);
+                }
+                // There is room for the next process beside its dead self.
+                self.guest.remove_dead();
+                let (incarnation, failed) = (who.incarnation, exit.is_failure());
+                (who, succession::Event::Gone { incarnation, failed })
+            }
+            Event::Message(who, FromService::Failed(line)) | Event::Output(who, line) => {
+                report::print::note(&format!("note: {}: {line}", who.role));
+                return Ok(());
+            }
+            Event::Signal => return Err(Error::Interrupted),
+            _ => return Ok(()),
+        };
+        self.follow(who.role, event)
+    }
+
+    /// Looks at all nodes: processes that hang or are due, and recoveries.
+    fn look(&mut self) -> Result<(), Error> {
+        let Self { graph, roster, log, .. } = self;
+        let timeout_ns = Supervision::default().heartbeat_timeout_ms.nanoseconds().cast_signed();
+        let limit_ns = |seat: Seat| {
+            let node = &graph.nodes[seat.place];
+            let program_ns = node.program.as_ref().map_or(0, |_| PROGRAM_NS);
+            timeout_ns + LOOK_NS + 2 * node.load_ns() + program_ns
+        };
+        roster.kill_the_hung(roster.now_ns(), limit_ns, log);
+        for seat in self.seats.clone() {
+            self.roster.kill_the_late(seat, self.roster.now_ns(), RESTART_NS);
+            self.follow(seat, succession::Event::Tick)?;
+            let (now_ns, member) = (self.roster.now_ns(), self.roster.of(seat));
+            let now = (member.incarnation(), self.counts[seat.place].cycles.get());
+            let seen = &mut self.seen[seat.place];
+            if member.phase() != Phase::Running || (now.0 != seen.0 && now.1 == seen.1) {
                 continue;
             }
-            let works = incarnation == active && member.succession.phase == Phase::Running
-                || standby == Standby::Ready { incarnation };
-            process.progress =
-                process.progress.take().or_else(|| member.counts.own.progress(incarnation));
-            if let Some(progress) = &process.progress {
-                process.silence.broken(progress.cycles(), now_ns);
+            if now.0 != seen.0 {
+                self.log.recovered(seat, now.0, now_ns);
             }
-            let pid = process.attendant.pid();
-            let limit_ns = if works { member.limit_ns } else { RESTART_NS };
-            match process.silence.meaning(now_ns, limit_ns, || Share::of(pid)) {
-                Meaning::Lives => {}
-                Meaning::Starved(silent_ns) => member.starved_ms += silent_ns as f64 / 1e6,
-                Meaning::Hung => {
-                    process.attendant.kill();
-                    hangs |= incarnation == active;
-                }
-            }
-        }
-        if hangs {
-            self.noticed(node, "hung", now_ns);
-        }
-        for (event, at_ns) in events {
-            match event {
-                Event::Gone { incarnation, .. } => {
-                    if incarnation == self.members[node].succession.active() {
-                        self.noticed(node, "died", at_ns);
-                    }
-                    // There is room for the next process beside its dead self.
-                    self.guest.remove_dead();
-                }
-                Event::TookOver(_) => self.noticed(node, "hung", at_ns),
-                _ => {}
-            }
-            self.follow(node, event)?;
-        }
-        self.follow(node, Event::Tick)?;
-        let (cycles, now_us) = (self.members[node].counts.cycles.get(), self.now_ns() as f64 / 1e3);
-        for record in self.records.iter_mut().filter(|record| record.node == Some(node)) {
-            if record.awaits.is_some_and(|(_, was)| cycles > was) {
-                record.recovered_after_us.get_or_insert(now_us - record.t_s * 1e6);
-            }
+            *seen = now;
         }
         Ok(())
     }
 
-    /// Notes that the active process of a node is gone or hangs.
-    fn noticed(&mut self, node: usize, kind: &str, at_ns: i64) {
-        let Member { succession, counts, .. } = &self.members[node];
-        let awaits = (succession.active(), counts.cycles.get());
-        let waits = matches!(succession.standby(), Standby::Ready { .. });
-        let by = if waits { "take-over" } else { "restart" };
-        let is_meant = |record: &Record| {
-            record.node == Some(node) && record.awaits.is_none_or(|(gone, _)| gone == awaits.0)
-        };
-        let known = self.records.iter().rposition(is_meant);
-        let place = known.unwrap_or(self.records.len());
-        if known.is_none() {
-            self.record(at_ns, kind, Some(node), self.graph.nodes[node].name.as_str());
-        }
-        let record = &mut self.records[place];
-        let after_us = at_ns as f64 / 1e3 - record.t_s * 1e6;
-        let earliest = record.detected_after_us.map_or(after_us, |us| us.min(after_us));
-        record.detected_after_us = (after_us > 0.0).then_some(earliest);
-        record.awaits.get_or_insert(awaits);
-        record.recovered_by.get_or_insert(by);
-    }
-
-    fn record(&mut self, at_ns: i64, kind: &str, node: Option<usize>, target: &str) {
-        self.records.push(Record {
-            t_s: at_ns as f64 / 1e9,
-            fault: format!("{kind} {target}"),
-            detected_after_us: None,
-            recovered_after_us: None,
-            recovered_by: None,
-            node,
-            awaits: None,
-        });
-    }
-
-    /// Does what follows from an event in the succession of a node's processes.
-    fn follow(&mut self, node: usize, event: Event) -> Result<(), Error> {
-        let (now_ns, start_ns, mut steps) = (self.now_ns(), self.start_ns, Vec::new());
-        self.members[node].succession.on(event, now_ns, &mut steps);
-        for step in steps {
-            let member = &mut self.members[node];
-            let (incarnation, standby_for) = match step {
-                Step::Start(incarnation) => {
-                    self.spawn(node, incarnation)?;
-                    continue;
-                }
-                Step::Activate(incarnation) => (incarnation, None),
-                Step::StandBy { incarnation, active } => {
-                    let pid = member.process(active).map_or(0, |process| process.attendant.pid());
-                    (incarnation, Some(ActiveProcess { incarnation: active, pid }))
-                }
-                Step::Replaced { old: gone, .. } | Step::Kill(gone) => {
-                    member.process(gone).into_iter().for_each(|process| process.attendant.kill());
-                    continue;
-                }
-                Step::GiveUp | Step::EndRun => {
-                    let name = self.graph.nodes[node].name.as_str();
-                    self.broken = Some(format!("node {name} ended too often"));
-                    continue;
-                }
-            };
-            if let Some(process) = member.process(incarnation) {
-                process.silence = Silence::from(now_ns);
-                process.attendant.send(&ToService::Start(StartOrder { start_ns, standby_for }));
-            }
+    fn follow(&mut self, seat: Seat, event: succession::Event) -> Result<(), Error> {
+        let steps = self.roster.follow(seat, event, self.roster.now_ns())?;
+        if steps.iter().any(|step| matches!(step, Step::GiveUp | Step::EndRun)) {
+            self.broken = Some(format!("node {seat} ended too often"));
         }
         Ok(())
     }
 
     fn apply_faults(&mut self) {
-        for (index, fault) in self.graph.faults.iter().enumerate() {
-            let (now_ns, (from_ns, to_ns)) = (self.now_ns(), fault.span_ns());
+        for (fault, acted) in self.graph.faults.iter().zip(&mut self.acted) {
+            let (now_ns, (from_ns, to_ns)) = (self.roster.now_ns(), fault.span_ns());
             let due = [now_ns >= from_ns, now_ns >= to_ns];
-            let [begins, ends] = [0, 1].map(|at| due[at] && !self.acted[index][at]);
-            self.acted[index] = due;
-            let node = fault.node().and_then(|name| self.graph.node(name));
-            let process = node.and_then(|node| self.members[node].active());
-            let (kind, target) = match fault {
-                Fault::Kill { node, .. } => ("kill", node),
-                Fault::Stop { node, .. } => ("stop", node),
-                Fault::Delay { topic, .. } => ("delay", topic),
-            };
-            match (fault, process) {
-                (Fault::Kill { .. }, Some(process)) if begins => process.attendant.kill(),
-                (Fault::Stop { .. }, Some(process)) if begins || ends => {
-                    process.attendant.stop(begins)
+            let [begins, ends] = [0, 1].map(|at| due[at] && !acted[at]);
+            *acted = due;
+            let seat = fault.node().and_then(|name| self.graph.node(name));
+            let seat = seat.map(|place| self.seats[place]);
+            if let Some(seat) = seat {
+                let process = self.roster.of(seat).process();
+                match fault {
+                    Fault::Kill { .. } if begins => process.kill(),
+                    Fault::Stop { .. } if begins => process.stop(),
+                    Fault::Stop { .. } if ends => process.resume(),
+                    _ => {}
                 }
-                // The readers know of delays.
-                _ => {}
             }
+            let kind = match fault {
+                Fault::Kill { .. } => "kill",
+                Fault::Stop { .. } => "stop",
+                // The readers know of delays.
+                Fault::Delay { topic, .. } => &format!("delay {topic}"),
+            };
             if begins {
-                self.record(self.now_ns(), kind, node, target);
+                self.log.records.push(FaultRecord::new(now_ns as f64 / 1e9, kind, seat));
             }
         }
     }
 
-    /// Ends all processes, the standbys first: they must not take over from those that leave.
+    /// Ends all processes.
     pub fn end(&mut self) {
-        for member in &mut self.members {
-            let active = member.succession.active();
-            for process in &mut member.processes {
-                match process.incarnation == active {
-                    true => process.attendant.send(&ToService::Abort),
-                    false => process.attendant.kill(),
-                }
-            }
-        }
-        for process in self.members.iter_mut().flat_map(|member| &mut member.processes) {
-            let _ = process.attendant.end(GRACE);
-        }
+        self.roster.end_all(GRACE);
     }
 }

@@ -21,6 +21,7 @@ mod trail;
 pub use node::run as run_node;
 
 use bench::BenchArguments;
+use bench::peer::Outcome;
 use bench::plan::progress_bar;
 use bench::stage::Stage;
 use group::Launcher;
@@ -28,6 +29,7 @@ use plan::{Graph, ns};
 use report::gate::Baseline;
 use report::output::OutputDirectory;
 use report::results::Schema;
+use runtime::Group;
 use runtime::scheduling::usable_cores;
 use scenario::quantity::Duration as Seconds;
 use std::path::{Path, PathBuf};
@@ -37,8 +39,6 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use supervise::{Error, MachineError, UsageError, check_room};
 
-/// Name of the graph's file in a run's root.
-const FILE: &str = "graph.json";
 /// Shared memory of a process beside its messages, bytes.
 const PROCESS_BYTES: usize = 1 << 20;
 /// Messages in a receiver's buffer, and those that it may hold.
@@ -52,16 +52,10 @@ impl Graph {
         Ok(Self::parse(&path.display().to_string(), &Error::text_of(path, "graph")?)?)
     }
 
-    /// Reads what the launcher wrote below the root of a run.
-    fn read(root: &Path) -> Result<Self, Error> {
-        let path = root.join(FILE);
-        let mistake = |why| UsageError::at(path.display(), why, "a graph of this program");
-        Ok(serde_json::from_str(&Error::text_of(&path, "graph")?).map_err(mistake)?)
-    }
-
-    fn write(&self, root: &Path) -> Result<(), Error> {
-        let (path, text) = (root.join(FILE), serde_json::to_string(self).expect("plain data"));
-        std::fs::write(&path, text).map_err(Error::path("write", &path))
+    /// The graph that the launcher wrote for a group, where a car's has its scenario.
+    fn of(group: &Group) -> Result<Self, UsageError> {
+        let mistake = |why| UsageError::at("the group's file", why, "a graph of this program");
+        serde_json::from_slice(&group.scenario).map_err(mistake)
     }
 
     /// Refuses what this machine does not have: cores, shared memory.
@@ -109,25 +103,38 @@ pub fn run(file: &Path, arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let output = OutputDirectory::create(&arguments.results.output, "graph")?;
     let interrupted = Arc::new(AtomicBool::new(false));
     supervise::flag_end(&interrupted)?;
-    let stage = Stage::create(Arc::clone(&interrupted))?;
-    let mut launcher = Launcher::start(&graph, &stage)?;
+    let stage = Stage::create(interrupted)?;
+    let mut launcher = Launcher::new(&graph, &stage)?;
+    let measured = measure(&graph, &stage, &mut launcher, arguments.results.json);
+    launcher.end();
+    let document = measured.and_then(|floor| {
+        results::document(&graph, &launcher, &floor, (baseline.as_ref(), arguments.factor))
+    });
+    launcher.roster.dissolve().dismiss();
+    let document = document?;
+    arguments.results.deliver(&document, &output)?;
+    Ok(document.exit_code())
+}
+
+/// Runs the nodes for the graph's length, with a process that only sleeps beside them: the floor.
+fn measure(
+    graph: &Graph,
+    stage: &Stage,
+    launcher: &mut Launcher<'_>,
+    is_quiet: bool,
+) -> Result<Outcome, Error> {
+    launcher.start()?;
     let (core, period_us) = graph.floor();
     let metronome = stage.metronome_on(core, graph.scheduling, period_us)?;
-    launcher.begin(&interrupted)?;
+    launcher.begin()?;
     let length_ns = graph.duration_s.nanoseconds().cast_signed();
-    let bar = progress_bar(Duration::from_nanos(length_ns.unsigned_abs()), arguments.results.json);
-    let ran = launcher.run(&interrupted, |now_ns| {
+    let bar = progress_bar(Duration::from_nanos(length_ns.unsigned_abs()), is_quiet);
+    let ran = launcher.run(|now_ns| {
         metronome.count((1..length_ns).contains(&now_ns));
         bar.set_position(now_ns.max(0).unsigned_abs() / 1_000_000);
     });
     bar.finish_and_clear();
-    launcher.end();
-    let floor = metronome.finish()?;
-    ran?;
-    let document =
-        results::document(&graph, launcher, &floor, (baseline.as_ref(), arguments.factor))?;
-    arguments.results.deliver(&document, &output)?;
-    Ok(document.exit_code())
+    ran.and_then(|()| metronome.finish())
 }
 
 /// Contents of the JSON.

@@ -7,7 +7,6 @@
 //! {"node":"detect","cycle":17,"inputs":[{"topic":"image","sequence":17,"age_us":812.4}]}
 //! ```
 
-use crate::plan::Node;
 use runtime::scheduling::set_fifo_of;
 use rustix::time::{ClockId, clock_gettime};
 use std::hint::black_box;
@@ -18,13 +17,6 @@ use supervise::MachineError;
 /// Rounds of the spin between two looks at the clock, some microseconds: a look is a system call.
 const ROUNDS: u64 = 3_000;
 
-/// The work of a node's cycles.
-#[derive(Debug)]
-pub enum Work {
-    Spin,
-    Program(Program),
-}
-
 /// A program that computes for a node.
 #[derive(Debug)]
 pub struct Program {
@@ -34,10 +26,17 @@ pub struct Program {
     answer: String,
 }
 
-impl Work {
-    /// The work of `node`. A program is started, with the node's priority if the node has that itself.
-    pub fn of(node: &Node, has_priority: bool) -> Result<Self, MachineError> {
-        let Some(command) = &node.program else { return Ok(Self::Spin) };
+/// Spins for `load_ns` of processor time.
+pub fn spin_for(load_ns: i64) {
+    let end_ns = processor_ns() + load_ns;
+    while load_ns > 0 && processor_ns() < end_ns {
+        spin();
+    }
+}
+
+impl Program {
+    /// Starts the program of a node with this `command`, at `priority` if the node has that itself.
+    pub fn start(command: &str, priority: Option<u8>) -> Result<Self, MachineError> {
         let words = shlex::split(command).unwrap_or_default();
         let Some((program, arguments)) = words.split_first() else {
             return Err(MachineError(format!("cannot start `{command}`")));
@@ -48,35 +47,16 @@ impl Work {
         runtime::die_with_this_thread(&mut command);
         let failed = MachineError::cannot(format!("start {program}"));
         let mut child = command.spawn().map_err(failed)?;
-        if has_priority {
-            set_fifo_of(child.id().cast_signed(), node.priority.value());
+        if let Some(priority) = priority {
+            set_fifo_of(child.id().cast_signed(), priority);
         }
         let input = child.stdin.take().expect("piped");
         let output = BufReader::new(child.stdout.take().expect("piped"));
-        Ok(Self::Program(Program { child, input, output, answer: String::new() }))
+        Ok(Self { child, input, output, answer: String::new() })
     }
 
-    /// Works for `load_ns` of processor time, or until the program has answered `question`.
-    pub fn run(
-        &mut self,
-        load_ns: i64,
-        question: impl FnOnce() -> String,
-    ) -> Result<(), MachineError> {
-        match self {
-            Self::Spin => {
-                let end_ns = processor_ns() + load_ns;
-                while load_ns > 0 && processor_ns() < end_ns {
-                    spin();
-                }
-                Ok(())
-            }
-            Self::Program(program) => program.ask(&question()),
-        }
-    }
-}
-
-impl Program {
-    fn ask(&mut self, question: &str) -> Result<(), MachineError> {
+    /// Waits until it has answered `question`.
+    pub fn ask(&mut self, question: &str) -> Result<(), MachineError> {
         self.answer.clear();
         let asked = writeln!(self.input, "{question}");
         let answered = asked.and_then(|()| self.output.read_line(&mut self.answer));
@@ -112,31 +92,22 @@ fn spin() {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::Graph;
-
-    fn node(line: &str) -> Node {
-        let text = format!(
-            "name = \"one\"\ntopics = {{}}\n[[nodes]]\nname = \"x\"\nperiod_ms = 1\n{line}\n"
-        );
-        Graph::parse("one.toml", &text).expect("right").nodes.remove(0)
-    }
 
     #[test]
-    fn a_spin_takes_its_processor_time_and_not_much_more_rounds_than_asked() {
-        let mut work = Work::of(&node(""), false).expect("a spin needs nothing");
+    fn a_spin_takes_its_processor_time() {
         let begun_ns = processor_ns();
-        work.run(2_000_000, String::new).expect("a spin does not fail");
+        spin_for(2_000_000);
         assert!(processor_ns() - begun_ns >= 2_000_000);
     }
 
     #[test]
     fn a_program_answers_each_question_and_one_that_ends_is_an_error() {
-        let mut work = Work::of(&node("program = \"cat\""), false).expect("started");
+        let mut program = Program::start("cat", None).expect("started");
         for _ in 0..3 {
-            work.run(0, || "{}".to_owned()).expect("it answers");
+            program.ask("{}").expect("it answers");
         }
-        let mut work = Work::of(&node("program = \"true\""), false).expect("started");
-        let said = (0..2).find_map(|_| work.run(0, || "{}".to_owned()).err()).expect("it ended");
+        let mut program = Program::start("true", None).expect("started");
+        let said = (0..2).find_map(|_| program.ask("{}").err()).expect("it ended");
         assert!(said.to_string().contains("the node's program"), "{said}");
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! A standby has its ports open and waits. It takes the node's epoch when the active process ends or makes no progress.
 
-use crate::load::Work;
+use crate::load::{Program, spin_for};
 use crate::plan::{Graph, Node, ns};
 use crate::ports::{Input, Output};
 use crate::times::{NodeCounts, Page, Reactions};
@@ -57,7 +57,7 @@ struct Process<'a> {
     counts: NodeCounts,
     /// Turns of its loops, by which others see that it lives.
     turns: u64,
-    work: Work,
+    program: Option<Program>,
     start_ns: i64,
     /// Next release of its timer, ns.
     due_ns: i64,
@@ -67,13 +67,14 @@ struct Process<'a> {
 /// Runs a process of a node: `node` and `incarnation` are numbers.
 pub fn run(root: &Path, node: &str, incarnation: &str) -> Result<ExitCode, Error> {
     runtime::log_warnings();
-    let graph = Graph::read(root)?;
+    let group = Group::read(root)?;
+    let graph = Graph::of(&group)?;
     let node = node.parse().ok().filter(|node| *node < graph.nodes.len());
     let (Some(node), Ok(incarnation)) = (node, incarnation.parse()) else {
         let expected = "a node of a graph";
         return Err(UsageError::at("timegap service node", "other arguments", expected).into());
     };
-    let code = live(&graph, node, incarnation, &Group::read(root)?);
+    let code = live(&graph, node, incarnation, &group);
     Ok(code.unwrap_or_else(|error| {
         let line = serde_json::to_string(&FromService::Failed(error.to_string()));
         println!("{}", line.expect("a string is plain data"));
@@ -116,7 +117,7 @@ impl<'a> Process<'a> {
         guest: &Guest,
     ) -> Result<(Self, Granted), Error> {
         let of = &graph.nodes[node];
-        let inputs = of.inputs().map(|topic| Input::open(graph, topic, node, group, guest));
+        let inputs = of.inputs().map(|topic| Input::open(graph, topic, group, guest));
         let inputs: Vec<Input> = inputs.collect::<Result<_, _>>()?;
         let outputs = of.publishes.iter().map(|topic| Output::open(graph, topic, group, guest));
         let outputs = outputs.collect::<Result<_, _>>()?;
@@ -135,7 +136,10 @@ impl<'a> Process<'a> {
         counts.own.begin(incarnation);
         let (page, link) = (Page::map(group)?, Link::open()?);
         let granted = apply(&request(graph, of));
-        let work = Work::of(of, granted.granted == granted.requested)?;
+        let has_priority = granted.granted == granted.requested;
+        let priority = has_priority.then(|| of.priority.value());
+        let start = |command: &String| Program::start(command, priority);
+        let program = of.program.as_ref().map(start).transpose()?;
         let (turns, start_ns, due_ns, idle_ns) = (0, 0, 0, 0);
         let this = Self {
             of,
@@ -148,7 +152,7 @@ impl<'a> Process<'a> {
             hops,
             counts,
             turns,
-            work,
+            program,
             start_ns,
             due_ns,
             idle_ns,
@@ -259,11 +263,14 @@ impl<'a> Process<'a> {
         }
         self.counts.cycles.add(1);
         let cycle = self.counts.cycles.get();
-        self.work.run(self.of.load_ns(), || {
+        if let Some(program) = &mut self.program {
             let came = self.inputs.iter().filter(|input| input.arrived > 0);
             let inputs: Vec<_> = came.map(|input| input.question(start_ns)).collect();
-            json!({"node": self.of.name.as_str(), "cycle": cycle, "inputs": inputs}).to_string()
-        })?;
+            let question = json!({"node": self.of.name.as_str(), "cycle": cycle, "inputs": inputs});
+            program.ask(&question.to_string())?;
+        } else {
+            spin_for(self.of.load_ns());
+        }
         if self.of.standby && !epoch::may_send(self.page.epoch(self.node), self.incarnation) {
             return Ok(false);
         }

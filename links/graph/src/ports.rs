@@ -37,7 +37,7 @@ impl Output {
     ) -> Result<Self, Error> {
         let (layout, service) = (Layout::of(graph, topic), format!("graph/{topic}"));
         let port = BytesSender::open(guest, &service, layout.length, peers(graph, topic))?;
-        let sent = times::count(group, topic, "", "sent")?;
+        let sent = times::count(group, topic, "sent")?;
         let released = graph.readers(topic).filter(|(_, node)| node.trigger.contains(topic));
         let releases = released.map(|(node, _)| node).collect();
         Ok(Self { layout, port, sequence: 0, sent, releases })
@@ -76,29 +76,20 @@ pub struct Input {
     delayed: VecDeque<(i64, Vec<u8>)>,
     /// Incarnation and sequence number of the last message.
     last: (u32, u64),
-    counts: [Count; 3],
+    received: Count,
+    /// Messages that newer ones replaced before a cycle used them.
+    unused: Count,
+    refused: Count,
 }
 
-/// Names of a reader's counts. Messages are unused if newer ones replaced them before a cycle used them.
-pub const COUNTS: [&str; 3] = ["received", "unused", "refused"];
-
 impl Input {
-    pub fn open(
-        graph: &Graph,
-        topic: &str,
-        node: usize,
-        group: &Group,
-        guest: &Guest,
-    ) -> Result<Self, Error> {
+    pub fn open(graph: &Graph, topic: &str, group: &Group, guest: &Guest) -> Result<Self, Error> {
         let delays = graph.faults.iter().filter_map(|fault| match fault {
             Fault::Delay { topic: of, delay_ms, .. } if of == topic => {
                 Some((fault.span_ns(), delay_ms.nanoseconds().cast_signed()))
             }
             _ => None,
         });
-        let reader = graph.nodes[node].name.as_str();
-        let [received, unused, refused] =
-            COUNTS.map(|name| times::count(group, topic, reader, name));
         Ok(Self {
             topic: topic.to_owned(),
             layout: Layout::of(graph, topic),
@@ -111,7 +102,9 @@ impl Input {
             delays: delays.collect(),
             delayed: VecDeque::new(),
             last: (0, 0),
-            counts: [received?, unused?, refused?],
+            received: times::count(group, topic, "received")?,
+            unused: times::count(group, topic, "unused")?,
+            refused: times::count(group, topic, "refused")?,
         })
     }
 
@@ -122,7 +115,7 @@ impl Input {
 
     /// Takes all messages that have come, and those whose delay is over. The run began at `start_ns`.
     pub fn take(&mut self, page: &Page, start_ns: i64) -> Result<(), MachineError> {
-        let Self { layout, newest, sent_ns, arrived, delayed, last, counts, .. } = self;
+        let Self { layout, newest, sent_ns, arrived, delayed, last, .. } = self;
         let mut keep = |bytes: &[u8], published_ns: i64| {
             newest.clear();
             newest.extend_from_slice(bytes);
@@ -134,12 +127,12 @@ impl Input {
                 word.is_none_or(|word| epoch::is_accepted(word, header.incarnation))
             };
             let Some(header) = layout.read(bytes).filter(is_current) else {
-                counts[2].add(1);
+                self.refused.add(1);
                 return Ok(());
             };
-            counts[0].add(1);
+            self.received.add(1);
             if last.0 == header.incarnation && last.1 > 0 {
-                counts[1].add(header.sequence.saturating_sub(last.1 + 1));
+                self.unused.add(header.sequence.saturating_sub(last.1 + 1));
             }
             *last = (header.incarnation, header.sequence);
             let (bytes, sent_ns) = (&bytes[..layout.used], header.publish_ns);
@@ -163,7 +156,7 @@ impl Input {
 
     /// Notes that a cycle uses the newest message.
     pub fn use_newest(&mut self) {
-        self.counts[1].add((self.arrived - self.used).saturating_sub(1));
+        self.unused.add((self.arrived - self.used).saturating_sub(1));
         self.used = self.arrived;
     }
 

@@ -1,8 +1,7 @@
 //! The figures of a run: `graph.json`, and the same for people. A figure that does not apply is null.
 
-use crate::group::{Launcher, Record};
+use crate::group::Launcher;
 use crate::plan::Graph;
-use crate::ports::COUNTS;
 use crate::times::{self, Reactions};
 use crate::trail::{Layout, PARTS};
 use bench::peer::Outcome;
@@ -18,7 +17,7 @@ use runtime::statistics::{Latencies, Percentiles};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
-use supervise::Error;
+use supervise::{Error, Recovery};
 
 /// Percentiles, µs.
 #[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
@@ -50,8 +49,7 @@ pub struct Report {
     pub hops: Vec<HopRow>,
     pub nodes: Vec<NodeRow>,
     pub topics: Vec<TopicRow>,
-    #[schemars(with = "Vec<Object>")]
-    pub faults: Vec<Record>,
+    pub faults: Vec<FaultRow>,
     /// Figures of each block of the run, for `--against`.
     #[schemars(with = "Vec<Object>")]
     pub samples: Vec<Sample>,
@@ -126,6 +124,20 @@ rows! {
     refused: u64, "Messages that failed a check" => count "refused" [1];
 }
 
+rows! {
+    /// A fault that was asked for, or an end or silence that was not.
+    FaultRow, fault_columns;
+    t_s: f64, "Run time of its begin" => seconds "t";
+    fault: String, "`kill camera`, `stop camera`, `delay image`; `died` and `hung` were not asked for" => word "fault";
+    detected_after_us: Option<f64>, "Until launcher or standby noticed it" => micros "noticed after";
+    recovered_after_us: Option<f64>, "Until the first cycle of the next process" => micros "back after";
+    recovered_by: Option<&'static str>, "`restart` or `take-over`" => word "by";
+}
+
+fn seconds<R>(name: &'static str, heading: &'static str, meaning: &'static str) -> Column<R> {
+    number(name, heading, "s", 3, meaning)
+}
+
 fn millis<R>(name: &'static str, heading: &'static str, meaning: &'static str) -> Column<R> {
     number(name, heading, "ms", 0, meaning)
 }
@@ -152,11 +164,12 @@ impl ChainRow {
 /// The result of a run that has ended, with the floor beside it.
 pub fn document(
     graph: &Graph,
-    launcher: Launcher<'_>,
+    launcher: &Launcher<'_>,
     floor: &Outcome,
     (baseline, factor): (Option<&Baseline>, f64),
 ) -> Result<Document, Error> {
-    let Launcher { group, members, records, broken, .. } = &launcher;
+    let Launcher { roster, counts, log, broken, .. } = launcher;
+    let group = &roster.group;
     let (mut chains, mut hops, mut pictures) = (Vec::new(), Vec::new(), String::new());
     let mut samples = Vec::new();
     let mut histograms = vec![("sleep".to_owned(), floor.latencies.clone())];
@@ -169,7 +182,7 @@ pub fn document(
             chain: name.clone(),
             deadline_us: chain.deadline_ns().map(|ns| ns as f64 / 1e3),
             reactions,
-            replaced: times::count(group, first, "", "sent")?.get().saturating_sub(reactions),
+            replaced: times::count(group, first, "sent")?.get().saturating_sub(reactions),
             misses: chain.deadline_ns().map(|_| times.late.get()),
             max_misses: chain.max_misses,
             reaction_time_us: (&times.reaction).into(),
@@ -193,33 +206,42 @@ pub fn document(
         histograms.push((format!("reaction_time:{number}"), times.reaction));
         histograms.push((format!("data_age:{number}"), times.age));
     }
-    let nodes = graph.nodes.iter().zip(members).map(|(node, member)| NodeRow {
-        node: node.name.as_str().to_owned(),
-        scheduling: member.granted.as_ref().map(|granted| granted.granted.clone()),
-        core: member.granted.as_ref().and_then(|granted| granted.core),
-        cycles: member.counts.cycles.get(),
-        skipped: member.counts.skipped.get(),
-        release_jitter_us: (&member.counts.jitter).into(),
-        work_us: (&member.counts.work).into(),
-        replacements: member.succession.replacements(),
-        take_overs: member.succession.take_overs(),
-        starved_ms: member.starved_ms,
+    let nodes = roster.iter().zip(counts).map(|(member, counts)| {
+        let node = member.role.to_string();
+        let granted = roster.granted.get(&node);
+        NodeRow {
+            scheduling: granted.map(|granted| granted.granted.clone()),
+            core: granted.and_then(|granted| granted.core),
+            cycles: counts.cycles.get(),
+            skipped: counts.skipped.get(),
+            release_jitter_us: (&counts.jitter).into(),
+            work_us: (&counts.work).into(),
+            replacements: member.succession.replacements(),
+            take_overs: member.succession.take_overs(),
+            starved_ms: member.heartbeats.starved_ms,
+            node,
+        }
+    });
+    let faults = log.records.iter().map(|record| FaultRow {
+        t_s: record.t_s,
+        fault: record.service.map_or(record.kind.clone(), |node| format!("{} {node}", record.kind)),
+        detected_after_us: record.detected_after_us,
+        recovered_after_us: record.recovered_after_us,
+        recovered_by: record.recovered_by.map(Recovery::name),
     });
     let mut topics = Vec::new();
     for topic in graph.topics.keys() {
-        let mut sums = [0; COUNTS.len()];
-        for (_, reader) in graph.readers(topic) {
-            for (sum, name) in sums.iter_mut().zip(COUNTS) {
-                *sum += times::count(group, topic, reader.name.as_str(), name)?.get();
-            }
-        }
-        let [received, unused, refused] = sums;
-        let bytes = Layout::of(graph, topic).length;
-        let sent = times::count(group, topic, "", "sent")?.get();
-        topics.push(TopicRow { topic: topic.clone(), bytes, sent, received, unused, refused });
+        let count = |name| times::count(group, topic, name).map(|count| count.get());
+        topics.push(TopicRow {
+            topic: topic.clone(),
+            bytes: Layout::of(graph, topic).length,
+            sent: count("sent")?,
+            received: count("received")?,
+            unused: count("unused")?,
+            refused: count("refused")?,
+        });
     }
-    let granted =
-        members.iter().filter_map(|member| member.granted.as_ref()).chain([&floor.granted]);
+    let granted = roster.granted.values().chain([&floor.granted]);
     let refused = granted.flat_map(|granted| &granted.refused).cloned();
     let late: Vec<&ChainRow> = chains.iter().filter(|chain| !chain.holds()).collect();
     let held = chains.len() - late.len();
@@ -239,7 +261,7 @@ pub fn document(
         hops,
         nodes: nodes.collect(),
         topics,
-        faults: records.clone(),
+        faults: faults.collect(),
         chains,
     };
     let mut verdict = format!("{held} of {} chains hold", report.chains.len());
@@ -266,16 +288,6 @@ pub fn document(
         Some(against) => against.onto(document),
         None => document,
     })
-}
-
-fn fault_columns() -> [Column<Record>; 5] {
-    [
-        number("t_s", "t", "s", 3, "Run time of the begin"),
-        word("fault", "fault", "Fault, or an end that was not asked for"),
-        micros("detected_after_us", "noticed after", "Until launcher or standby noticed it"),
-        micros("recovered_after_us", "back after", "Until the first cycle of the next process"),
-        word("recovered_by", "by", "How it came back"),
-    ]
 }
 
 /// Reaction time and data age of a chain, and the machine's floor.

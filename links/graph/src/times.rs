@@ -10,8 +10,6 @@ use supervise::MachineError;
 
 /// Blocks of equal length in a run. A gate compares two runs block by block.
 pub const BLOCKS: usize = 12;
-/// Histograms in one file of counts.
-const IN_FILE: usize = 30;
 /// Words of a node.
 const NODE: usize = 8;
 
@@ -45,10 +43,14 @@ impl Page {
     }
 }
 
-/// A named count of a topic, and of one of its readers.
-pub fn count(group: &Group, topic: &str, reader: &str, name: &str) -> Result<Count, RuntimeError> {
-    let file = format!("topic.{}.{reader}", topic.replace('/', "."));
-    Figures::open(group, file)?.count(name)
+/// A named count of a topic, which all its ends share.
+pub fn count(group: &Group, topic: &str, name: &str) -> Result<Count, RuntimeError> {
+    Figures::open(group, format!("topic.{}", topic.replace('/', ".")))?.count(name)
+}
+
+/// Name of a node's counts.
+pub fn counts_of(node: usize) -> String {
+    format!("node{node}")
 }
 
 /// Counts of a node over all its processes.
@@ -67,7 +69,7 @@ pub struct NodeCounts {
 impl NodeCounts {
     /// The counts of a node; `node` is its place.
     pub fn open(node: usize, group: &Group) -> Result<Self, RuntimeError> {
-        let own = Figures::open(group, format!("node{node}"))?;
+        let own = Figures::open(group, counts_of(node))?;
         Ok(Self {
             cycles: own.count("cycles")?,
             skipped: own.count("skipped")?,
@@ -91,11 +93,11 @@ pub struct Reactions {
 impl Reactions {
     pub fn open(graph: &Graph, chain: usize, group: &Group) -> Result<Self, RuntimeError> {
         let of = &graph.chains[chain];
-        let file = |name: usize| Figures::open(group, format!("chain{chain}.{name}"));
-        let late = file(0)?.count("late")?;
-        let mut places = 0..;
-        let mut open = |name: &str| file(places.next().unwrap_or(0) / IN_FILE)?.latencies(name);
-        let blocks = (0..BLOCKS).map(|block| open(&format!("block {block}")));
+        // A file has room for few histograms.
+        let open =
+            |name: &str| Figures::open(group, format!("chain{chain}.{name}"))?.latencies(name);
+        let late = Figures::open(group, format!("chain{chain}"))?.count("late")?;
+        let blocks = (0..BLOCKS).map(|block| open(&format!("block{block}")));
         let blocks = blocks.collect::<Result<_, _>>()?;
         let names: Vec<String> = (0..PARTS * of.path.len()).map(|part| part.to_string()).collect();
         let deadline_ns = of.deadline_ns().unwrap_or(i64::MAX);

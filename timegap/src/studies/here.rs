@@ -107,7 +107,7 @@ pub fn serve(name: &str, arguments: &[&str]) -> Option<Result<ExitCode, Error>> 
     match (name, arguments) {
         ("unit", [resources]) => Some(Ok(fmi_unit::serve(resources.as_ref()))),
         ("bench", [root, job]) => Some(bench::run_peer(root.as_ref(), job)),
-        ("node", [root, node, number]) => Some(graph::run_node(root.as_ref(), node, number)),
+        ("node", [node, root, number]) => Some(graph::run_node(root.as_ref(), node, number)),
         _ => None,
     }
 }

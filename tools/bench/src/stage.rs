@@ -7,7 +7,6 @@ use super::wake;
 use runtime::scheduling::usable_cores;
 use runtime::{Group, Mode, SharedWords, Timetable};
 use rustix::event::{EventfdFlags, eventfd};
-use std::cell::RefCell;
 use std::io::Read;
 use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt;
@@ -76,26 +75,16 @@ impl Drop for Peer {
 
 /// The group of a benchmark: realtime, without an end and without restarts.
 pub(crate) fn group_below(root: &RunRoot) -> Group {
-    Group {
-        root: root.path().to_owned(),
-        prefix: root.prefix().to_owned(),
-        mode: Mode::Realtime,
-        timetable: Timetable {
-            step_ns: 1_000_000,
-            strides: [1; messages::Service::ALL.len()],
-            last_step: u64::MAX,
-        },
-        standby: Vec::new(),
-        patience_ns: 10_000_000_000,
-        scenario: Vec::new(),
-    }
+    let strides = [1; messages::Service::ALL.len()];
+    let timetable = Timetable { step_ns: 1_000_000, strides, last_step: u64::MAX };
+    root.group(Mode::Realtime, timetable, Vec::new(), Vec::new())
 }
 
 /// The root, its page of words and the cores.
 #[derive(Debug)]
 pub struct Stage {
     root: Option<RunRoot>,
-    janitor: RefCell<Option<Janitor>>,
+    janitor: Option<Janitor>,
     page_name: String,
     page: SharedWords,
     cores: Vec<usize>,
@@ -111,7 +100,7 @@ impl Stage {
         group_below(&root).write()?;
         let page_name = format!("{}bench", root.prefix());
         let page = peer::page(&page_name)?;
-        let (root, janitor) = (Some(root), RefCell::new(Some(janitor)));
+        let (root, janitor) = (Some(root), Some(janitor));
         Ok(Self { root, janitor, page_name, page, cores: usable_cores(), interrupted })
     }
 
@@ -208,13 +197,6 @@ impl Stage {
         self.root.as_ref().expect("there until the end")
     }
 
-    /// Sends the janitor the process group of others on this stage.
-    pub fn watch(&self, group: i32) {
-        if let Some(janitor) = self.janitor.borrow_mut().as_mut() {
-            janitor.watch(group);
-        }
-    }
-
     /// Starts a metronome on the core of the placement's sink; it ticks without counting.
     pub fn metronome(
         &self,
@@ -296,7 +278,7 @@ impl Drop for Stage {
         if let Some(root) = self.root.take() {
             root.remove();
         }
-        if let Some(janitor) = self.janitor.borrow_mut().take() {
+        if let Some(janitor) = self.janitor.take() {
             janitor.dismiss();
         }
     }

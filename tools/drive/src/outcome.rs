@@ -122,12 +122,12 @@ fn as_text<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error>
 
 /// One thing that went wrong, asked for or not.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FaultRecord {
+pub struct FaultRecord<R = Service> {
     /// Run time at which it began, s.
     pub t_s: f64,
     /// Kind of the fault, or `died`, `hung`, `flooded` or `not ready` for one that was not asked for.
     pub kind: String,
-    pub service: Option<Service>,
+    pub service: Option<R>,
     /// The topic whose messages it acts on.
     pub topic: Option<&'static str>,
     /// The process that it acts on, other than a service.
@@ -154,6 +154,27 @@ pub struct FaultRecord {
     /// Restart of the service whose first message is the recovery.
     #[serde(skip)]
     pub awaits: Option<u32>,
+}
+
+impl<R> FaultRecord<R> {
+    /// The record of what began at `t_s`, before anything is known of its effect.
+    pub fn new(t_s: f64, kind: &str, service: Option<R>) -> Self {
+        Self {
+            t_s,
+            kind: kind.to_owned(),
+            service,
+            topic: None,
+            helper: None,
+            while_starting: false,
+            messages: None,
+            undetected: 0,
+            detected_after_us: None,
+            recovered_after_us: None,
+            recovered_by: None,
+            number: u32::MAX,
+            awaits: None,
+        }
+    }
 }
 
 /// The process that took the place of one that is gone.

@@ -23,28 +23,25 @@ pub fn listen(root: &Path, events: Sender<Event>) -> Result<(), MachineError> {
     let error = MachineError::cannot("open the run's control socket");
     let listener = UnixListener::bind(root.join(SOCKET)).map_err(&error)?;
     let accepts = std::thread::Builder::new().name("control".into()).spawn(move || {
-        for client in listener.incoming() {
-            let Ok(client) = client else { continue };
-            let Some(asked) = ask(client, &events) else { return };
-            // A client that went away does not need an answer.
-            let _ = asked;
+        for client in listener.incoming().flatten() {
+            if ask(client, &events).is_none() {
+                return;
+            }
         }
     });
     accepts.map(drop).map_err(error)
 }
 
 /// Hands one client's request to the supervisor; `None` once the supervisor is gone.
-fn ask(mut client: UnixStream, events: &Sender<Event>) -> Option<std::io::Result<()>> {
-    if let Err(e) = client.set_read_timeout(Some(PATIENCE)) {
-        return Some(Err(e));
-    }
+fn ask(mut client: UnixStream, events: &Sender<Event>) -> Option<()> {
     let mut line = String::new();
-    if let Err(e) = BufReader::new((&client).take(LONGEST)).read_line(&mut line) {
-        return Some(Err(e));
-    }
-    if line.is_empty() {
+    let waits = client.set_read_timeout(Some(PATIENCE));
+    match waits.and_then(|()| BufReader::new((&client).take(LONGEST)).read_line(&mut line)) {
+        // A client that went away does not need an answer.
+        Err(_) => return Some(()),
         // The end of the run knocks, so that this thread notices it.
-        return events.send(Event::Knock).is_ok().then_some(Ok(()));
+        Ok(0) => return events.send(Event::Knock).ok(),
+        Ok(_) => {}
     }
     let keys = serde_json::from_str(&line).map_err(|e| e.to_string());
     let answer = match keys.and_then(|keys| faults::read(keys).map_err(|e| e.to_string())) {
@@ -56,7 +53,8 @@ fn ask(mut client: UnixStream, events: &Sender<Event>) -> Option<std::io::Result
         }
     };
     let text = serde_json::to_string(&answer).expect("plain data");
-    Some(writeln!(client, "{text}"))
+    // The client may be gone.
+    writeln!(client, "{text}").ok().or(Some(()))
 }
 
 /// Wakes the thread of [`listen`], so that it notices the end of its receiver.

@@ -4,6 +4,7 @@
 //! that text are handed on. A service that says more than that is broken ([`Event::Flooded`]), whatever it says.
 
 use crate::MachineError;
+use crate::role::Role;
 use messages::Service;
 use runtime::FromService;
 use scenario::faults::Fault;
@@ -37,23 +38,24 @@ pub struct Answer {
     pub message: String,
 }
 
+/// A process of a member.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ServiceProcess {
-    pub service: Service,
-    /// Index of the process in its service, from 0.
+pub struct Who<R = Service> {
+    pub role: R,
+    /// Index of the process among the member's, from 0.
     pub incarnation: u32,
 }
 
 /// Something that happened.
 #[derive(Debug)]
-pub enum Event {
-    Message(ServiceProcess, FromService),
+pub enum Event<R = Service> {
+    Message(Who<R>, FromService),
     /// A process wrote a line other than a message: a warning, a panic.
-    Output(ServiceProcess, String),
+    Output(Who<R>, String),
     /// A process writes more than a service does.
-    Flooded(ServiceProcess),
+    Flooded(Who<R>),
     /// A process is gone, or closed its output; its status waits to be taken.
-    Gone(ServiceProcess),
+    Gone(Who<R>),
     /// One of [`end_signals`] asks for an end.
     Signal,
     /// A fault from outside, and where its answer goes.
@@ -64,24 +66,24 @@ pub enum Event {
 
 /// Follows a service's output until its streams end. Then it does `on_end`, in a thread that waits for nothing else.
 /// Returns where the threads of both streams leave their ids, by which they can be raised.
-pub fn follow(
-    who: ServiceProcess,
+pub fn follow<R: Role>(
+    who: Who<R>,
     on_end: impl FnOnce() + Send + 'static,
     out: ChildStdout,
     err: ChildStderr,
-    events: Sender<Event>,
+    events: Sender<Event<R>>,
 ) -> std::io::Result<Arc<[AtomicI32; 2]>> {
     let (said, errors) = (events.clone(), events.clone());
-    let service = who.service;
+    let role = who.role;
     let threads: Arc<[AtomicI32; 2]> = Arc::default();
     let (of_out, of_err) = (Arc::clone(&threads), Arc::clone(&threads));
     let (lives, ends) = channel::<()>();
-    std::thread::Builder::new().name(format!("{service}-err")).spawn(move || {
+    std::thread::Builder::new().name(format!("{role}-err")).spawn(move || {
         let _lives = lives;
         of_err[1].store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
         follow_stream(who, err, &errors);
     })?;
-    std::thread::Builder::new().name(format!("{service}-out")).spawn(move || {
+    std::thread::Builder::new().name(format!("{role}-out")).spawn(move || {
         of_out[0].store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
         follow_stream(who, out, &said);
         // The end of the output is the end of the process: it alone holds the pipe.
@@ -94,7 +96,7 @@ pub fn follow(
 }
 
 /// Hands on messages and text until the stream ends or its reader does not listen any more.
-fn follow_stream(who: ServiceProcess, stream: impl Read, events: &Sender<Event>) {
+fn follow_stream<R: Role>(who: Who<R>, stream: impl Read, events: &Sender<Event<R>>) {
     let mut reader = BufReader::new(stream);
     let (mut line, mut chatter, mut lines) = (Vec::new(), 0, 0);
     loop {
@@ -167,7 +169,7 @@ pub fn is_signalled() -> bool {
 }
 
 /// Turns the signals that ask for an end into events, until the handle is closed.
-pub fn follow_signals(events: Sender<Event>) -> Result<Handle, MachineError> {
+pub fn follow_signals<R: Role>(events: Sender<Event<R>>) -> Result<Handle, MachineError> {
     let error = MachineError::cannot("handle signals");
     let mut signals = signal_hook::iterator::Signals::new(end_signals()).map_err(&error)?;
     let handle = signals.handle();
@@ -198,7 +200,7 @@ mod tests {
 
     fn events(stream: impl Read) -> Vec<Event> {
         let (sender, receiver) = channel();
-        let who = ServiceProcess { service: Service::Controller, incarnation: 0 };
+        let who = Who { role: Service::Controller, incarnation: 0 };
         follow_stream(who, stream, &sender);
         drop(sender);
         receiver.into_iter().collect()
@@ -206,7 +208,7 @@ mod tests {
 
     #[test]
     fn the_last_words_of_a_process_come_before_its_end() {
-        let who = ServiceProcess { service: Service::Controller, incarnation: 0 };
+        let who = Who { role: Service::Controller, incarnation: 0 };
         for _ in 0..20 {
             let mut command = std::process::Command::new("sh");
             command.args(["-c", "exec 1>&-; echo last words >&2"]);

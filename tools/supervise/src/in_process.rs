@@ -7,7 +7,7 @@ use crate::Error;
 use crate::faults::Faults;
 use crate::refusal::check_simulated;
 use crate::start::processes::for_services;
-use crate::start::{is_foreign, programs};
+use crate::start::programs;
 use controller::laws::external::Questions;
 use drive::log::DriveLog;
 use drive::report::ServiceReport;
@@ -151,7 +151,7 @@ impl SteppedRun {
         if let Some((service, how)) = course.failed.take() {
             run.abort();
             let what = format!("failed: {how}");
-            let foreign = is_foreign(&programs, service);
+            let foreign = programs.contains_key(&service);
             return Err(Error::NotReady { service, what, foreign });
         }
         let ready_after = begun.elapsed();

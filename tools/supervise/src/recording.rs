@@ -38,7 +38,7 @@ pub struct Listener {
     name: &'static str,
     /// The recorder's file, or the bridge's address.
     target: OsString,
-    process: Option<Attendant>,
+    attendant: Option<Attendant>,
     failed: Option<String>,
     /// A fault of the scenario ended it: its end is expected.
     was_killed: bool,
@@ -47,19 +47,19 @@ pub struct Listener {
 impl Listener {
     /// Starts it in the services' process group.
     pub fn spawn(name: &'static str, target: OsString, root: &RunRoot, group: i32) -> Self {
-        let (process, failed) = match Attendant::spawn(name, &[&target], root, group) {
-            Ok(process) => (Some(process), None),
+        let (attendant, failed) = match Attendant::spawn(name, &[&target], root, group) {
+            Ok(attendant) => (Some(attendant), None),
             Err(error) => (None, Some(error.to_string())),
         };
-        Self { name, target, process, failed, was_killed: false }
+        Self { name, target, attendant, failed, was_killed: false }
     }
 
     /// Makes it connect to all services, which must be ready, and waits until it did. A run begins without its
     /// recorder, but not without its bridge.
     pub fn connect(&mut self) -> Result<(), MachineError> {
-        let Some(process) = &mut self.process else { return Ok(()) };
-        process.send(&ToRecorder::Connect);
-        let reason = match process.receive(PATIENCE) {
+        let Some(attendant) = &mut self.attendant else { return Ok(()) };
+        attendant.process.order(&ToRecorder::Connect);
+        let reason = match attendant.receive(PATIENCE) {
             Some(FromRecorder::Ready) => return Ok(()),
             Some(FromRecorder::Failed(reason)) => reason,
             Some(FromRecorder::Report(_)) | None => "it did not get ready".into(),
@@ -73,37 +73,35 @@ impl Listener {
 
     /// Sends it the common start.
     pub fn begin(&mut self, start: &Start) {
-        if let Some(process) = &mut self.process {
-            process.send(&ToRecorder::Start(start.clone()));
+        if let Some(attendant) = &mut self.attendant {
+            attendant.process.order(&ToRecorder::Start(start.clone()));
         }
     }
 
     /// Ends it, when it has handed on what has been sent.
     pub fn dismiss(mut self) {
-        if let Some(process) = &mut self.process {
-            process.end(LEAVE);
+        if let Some(attendant) = &mut self.attendant {
+            attendant.process.end(LEAVE);
         }
     }
 
     /// Kills it, as a fault does.
     pub fn kill(&mut self) {
-        if let Some(process) = &mut self.process {
-            process.kill();
+        if let Some(attendant) = &mut self.attendant {
+            attendant.process.kill();
             self.was_killed = true;
         }
     }
 
     /// True, once, when it died: its buffers must be removed, or senders wait for it.
     pub fn has_died(&mut self) -> bool {
-        let Some(process) = &mut self.process else { return false };
-        if !process.is_gone() {
+        let Some(attendant) = &mut self.attendant else { return false };
+        if !attendant.is_gone() {
             return false;
         }
-        let reason = match process.receive(Duration::ZERO) {
+        let reason = match attendant.receive(Duration::ZERO) {
             Some(FromRecorder::Failed(reason)) => reason,
-            _ => process
-                .end(Duration::ZERO)
-                .map_or_else(String::new, |status| Exit::of(status).to_string()),
+            _ => Exit::of(attendant.process.end(Duration::ZERO).0).to_string(),
         };
         self.give_up(reason);
         true
@@ -111,9 +109,9 @@ impl Listener {
 
     /// Lets the recorder write what has been sent, and ends it.
     pub fn finish(mut self) -> RecordingSummary {
-        let reported = self.process.as_mut().and_then(|process| {
-            process.send(&ToRecorder::Finish);
-            process.receive(PATIENCE)
+        let reported = self.attendant.as_mut().and_then(|attendant| {
+            attendant.process.order(&ToRecorder::Finish);
+            attendant.receive(PATIENCE)
         });
         let (tally, failed) = match reported {
             Some(FromRecorder::Report(report)) => (Some(report.tally), report.failed),
@@ -122,9 +120,9 @@ impl Listener {
                 (None, self.failed.take().or_else(|| Some("the recorder does not answer".into())))
             }
         };
-        if let Some(mut process) = self.process.take() {
+        if let Some(mut attendant) = self.attendant.take() {
             // One that did not answer is not waited for again.
-            process.end(if tally.is_some() { PATIENCE } else { Duration::ZERO });
+            attendant.process.end(if tally.is_some() { PATIENCE } else { Duration::ZERO });
         }
         let messages = tally.as_ref().map(recorder::Tally::messages);
         let path = PathBuf::from(self.target);
@@ -142,7 +140,7 @@ impl Listener {
         if !self.was_killed {
             tracing::warn!("the {} is gone, the run continues without it: {reason}", self.name);
         }
-        self.process = None;
+        self.attendant = None;
         self.failed = Some(reason);
     }
 }

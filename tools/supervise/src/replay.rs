@@ -1,6 +1,6 @@
 //! A group of two: the controller, and a replayer in the place of all others.
 
-use crate::events::{Event, follow_signals};
+use crate::events::{Event, Who, follow_signals};
 use crate::root::RunRoot;
 use crate::root::check_room;
 use crate::start::attendant::Attendant;
@@ -59,15 +59,7 @@ pub fn replay(
     let mut janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
     let signals = follow_signals(sender.clone())?;
-    let group = Group {
-        root: root.path().to_owned(),
-        prefix: root.prefix().to_owned(),
-        mode: Mode::Lockstep,
-        timetable,
-        standby: Vec::new(),
-        patience_ns: 10_000_000_000,
-        scenario: scenario.to_bytes(),
-    };
+    let group = root.group(Mode::Lockstep, timetable, Vec::new(), scenario.to_bytes());
     let result = group
         .write()
         .and_then(|()| enroll_listener(root.prefix(), std::process::id()))
@@ -108,7 +100,7 @@ impl Cast {
         (program, foreign): (Option<&PathBuf>, bool),
         events: Sender<Event>,
     ) -> Result<Self, Error> {
-        let who = (Service::Controller, take.incarnation);
+        let who = Who { role: Service::Controller, incarnation: take.incarnation };
         let mut controller = Process::spawn(who, program, root, 0, events, false)?;
         let group = controller.pid();
         janitor.watch(group);
@@ -138,7 +130,7 @@ impl Cast {
         listener.listen()?;
         self.controller
             .order(&ToService::Start(StartOrder { start_ns: monotonic_ns(), standby_for: None }));
-        self.replayer.send(&ToReplayer::Start);
+        self.replayer.process.order(&ToReplayer::Start);
         loop {
             let event = events.recv_timeout(POLL);
             listener.listen()?;
@@ -201,7 +193,7 @@ impl Cast {
     fn leave(mut self) {
         self.controller.order(&ToService::Abort);
         self.controller.end(EXIT_GRACE);
-        self.replayer.end(EXIT_GRACE);
+        self.replayer.process.end(EXIT_GRACE);
     }
 }
 

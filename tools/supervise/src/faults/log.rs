@@ -5,21 +5,21 @@ use messages::Service;
 use scenario::faults::{Fault, Target};
 
 /// Errors so far.
-#[derive(Debug, Default)]
-pub struct FaultLog {
+#[derive(Debug)]
+pub struct FaultLog<R = Service> {
     /// In order of their beginning, as far as it is known.
-    pub records: Vec<FaultRecord>,
-    /// The newest process of each service that has sent, and the run time of its first message, ns.
-    heard: Vec<(Service, u32, i64)>,
+    pub records: Vec<FaultRecord<R>>,
+    /// The newest process of each member that has sent, and the run time of its first message, ns.
+    heard: Vec<(R, u32, i64)>,
 }
 
-impl FaultLog {
-    /// Notes the start of a fault at `t_s`, NaN if unknown yet. With `while_starting` it killed a process that was
-    /// not in the run yet.
-    pub fn begin(&mut self, fault: &Fault, number: u32, t_s: f64, while_starting: bool) {
-        self.records.push(FaultRecord { t_s, while_starting, ..record(fault, number) });
+impl<R> Default for FaultLog<R> {
+    fn default() -> Self {
+        Self { records: Vec::new(), heard: Vec::new() }
     }
+}
 
+impl<R: Copy + PartialEq> FaultLog<R> {
     /// True while a service is to recover from a fault.
     pub fn is_recovery_awaited(&self) -> bool {
         self.records
@@ -32,7 +32,7 @@ impl FaultLog {
     /// that is known.
     pub fn detected(
         &mut self,
-        service: Service,
+        service: R,
         kind: &str,
         awaits: u32,
         since_ns: Option<i64>,
@@ -53,26 +53,17 @@ impl FaultLog {
         if self.records.iter().any(|r| r.service == Some(service) && r.awaits == Some(awaits)) {
             return;
         }
+        let t_s = since_ns.unwrap_or(now_ns) as f64 / 1e9;
         self.records.push(FaultRecord {
-            t_s: since_ns.unwrap_or(now_ns) as f64 / 1e9,
-            kind: kind.into(),
-            service: Some(service),
-            topic: None,
-            helper: None,
-            while_starting: false,
-            messages: None,
-            undetected: 0,
             detected_after_us: since_ns.map(|since_ns| (now_ns - since_ns) as f64 / 1e3),
-            recovered_after_us: None,
-            recovered_by: None,
-            number: u32::MAX,
             awaits: Some(awaits),
+            ..FaultRecord::new(t_s, kind, Some(service))
         });
         self.recovered_before(service, awaits);
     }
 
     /// The first message of a standby may arrive before the news of the end that it follows.
-    fn recovered_before(&mut self, service: Service, awaits: u32) {
+    fn recovered_before(&mut self, service: R, awaits: u32) {
         let heard = self.heard.iter().find(|(of, process, _)| *of == service && *process >= awaits);
         if let Some(&(_, incarnation, ns)) = heard {
             self.recovered(service, incarnation, ns);
@@ -81,7 +72,7 @@ impl FaultLog {
 
     /// Notes that the standby of `service` has taken over from process `old`. It noticed the end or silence of that
     /// process at `noticed_ns`.
-    pub fn taken_over(&mut self, service: Service, old: u32, kind: &str, noticed_ns: i64) {
+    pub fn taken_over(&mut self, service: R, old: u32, kind: &str, noticed_ns: i64) {
         self.detected(service, kind, old + 1, None, noticed_ns);
         let record = self
             .records
@@ -106,7 +97,7 @@ impl FaultLog {
     }
 
     /// Notes the first fresh message of restart `incarnation` of `service`, published at `ns`.
-    pub fn recovered(&mut self, service: Service, incarnation: u32, ns: i64) {
+    pub fn recovered(&mut self, service: R, incarnation: u32, ns: i64) {
         if !self.heard.contains(&(service, incarnation, ns)) {
             self.heard.retain(|(of, ..)| *of != service);
             self.heard.push((service, incarnation, ns));
@@ -121,6 +112,24 @@ impl FaultLog {
                 record.recovered_by.get_or_insert(Recovery::Restart);
             }
         }
+    }
+}
+
+impl FaultLog {
+    /// Notes the start of a fault at `t_s`, NaN if unknown yet. With `while_starting` it killed a process that was
+    /// not in the run yet.
+    pub fn begin(&mut self, fault: &Fault, number: u32, t_s: f64, while_starting: bool) {
+        let target = fault.effect.target();
+        let service = if let Target::Service(service) = target { Some(service) } else { None };
+        let name = fault.effect.kind().name();
+        let mut record = FaultRecord::new(t_s, name, service);
+        match target {
+            Target::Topic(topic) => record.topic = Some(topic.name()),
+            Target::Helper(helper) => record.helper = Some(helper),
+            _ => {}
+        }
+        let messages = fault.effect.extent().map(|_| 0);
+        self.records.push(FaultRecord { while_starting, messages, number, ..record });
     }
 
     /// Adds what the ports counted.
@@ -142,36 +151,8 @@ impl FaultLog {
 }
 
 /// True if the record is of a fault that was asked for and ends or stops a process.
-fn is_asked(record: &FaultRecord) -> bool {
+fn is_asked<R>(record: &FaultRecord<R>) -> bool {
     matches!(record.kind.as_str(), "kill" | "stop" | "restart-storm")
-}
-
-fn record(fault: &Fault, number: u32) -> FaultRecord {
-    let target = fault.effect.target();
-    FaultRecord {
-        t_s: f64::NAN,
-        kind: fault.effect.kind().name().into(),
-        service: match target {
-            Target::Service(service) => Some(service),
-            _ => None,
-        },
-        topic: match target {
-            Target::Topic(topic) => Some(topic.name()),
-            _ => None,
-        },
-        helper: match target {
-            Target::Helper(helper) => Some(helper),
-            _ => None,
-        },
-        while_starting: false,
-        messages: fault.effect.extent().map(|_| 0),
-        undetected: 0,
-        detected_after_us: None,
-        recovered_after_us: None,
-        recovered_by: None,
-        number,
-        awaits: None,
-    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,6 @@ pub mod log;
 use crate::faults::disturbance::Disturbance;
 use crate::faults::log::FaultLog;
 use messages::{EgoTruth, Service};
-use runtime::Injected;
 use scenario::Scenario;
 use scenario::faults::{Effect, Fault, Helper, ProcessFault, Target};
 
@@ -76,20 +75,13 @@ impl Planned {
 pub struct Faults {
     planned: Vec<Planned>,
     next_number: u32,
-    /// Message faults that came during the run, for processes that join later.
-    pub injected: Vec<Injected>,
     /// Errors so far.
     pub log: FaultLog,
 }
 
 impl Faults {
     pub fn of(scenario: &Scenario) -> Self {
-        let mut faults = Self {
-            planned: Vec::new(),
-            next_number: 0,
-            injected: Vec::new(),
-            log: FaultLog::default(),
-        };
+        let mut faults = Self { planned: Vec::new(), next_number: 0, log: FaultLog::default() };
         for fault in &scenario.faults {
             faults.plan(fault.clone(), fault.begin.known_ns());
         }

@@ -3,8 +3,11 @@
 use crate::member::silence::{Meaning, Share, Silence};
 use crate::start::processes::Process;
 use drive::{Exit, StandbyCost};
-use runtime::{Figures, Group, Progress};
+use runtime::Progress;
 use std::time::Duration;
+
+/// Time between the end of a process's output and its own.
+pub const LAST_MOMENT: Duration = Duration::from_millis(100);
 
 /// A process and what is known of it.
 #[derive(Debug)]
@@ -18,17 +21,11 @@ pub struct Attached {
     pub has_told: bool,
     /// Its end was noted, and what it left was taken.
     pub is_settled: bool,
-    silence: Silence,
-    /// Signs of life of a standby: it sends nothing.
+    pub silence: Silence,
+    /// Signs of life of a process that sends nothing, as a standby.
     progress: Option<Progress>,
-    /// Its use when it began to stand by, and that run time, ns.
-    stands_by_since: Option<(Used, i64)>,
-}
-
-/// Use of a process so far.
-#[derive(Clone, Copy, Debug)]
-struct Used {
-    processor_ns: u64,
+    /// Its processor time when it began to stand by, and that run time, ns.
+    stands_by_since: Option<(u64, i64)>,
 }
 
 impl Attached {
@@ -46,17 +43,16 @@ impl Attached {
         }
     }
 
-    /// It takes part in the run from now on.
-    pub fn begin(&mut self, now_ns: i64) {
+    /// It takes part in the run from now on. Without heartbeats its `progress` shows that it lives.
+    pub fn begin(&mut self, now_ns: i64, progress: Option<Progress>) {
         self.silence = Silence::from(now_ns);
-        self.progress = None;
+        self.progress = progress;
     }
 
-    pub fn stand_by(&mut self, group: &Group, service: messages::Service, now_ns: i64) {
-        self.begin(now_ns);
-        // Without its page it looks hung, and is replaced.
-        self.progress = Figures::of(group, service).progress(self.incarnation);
-        self.stands_by_since = Used::of(self.process.pid()).map(|used| (used, now_ns));
+    /// The same as a standby. Without its page it looks hung, and is replaced.
+    pub fn stand_by(&mut self, now_ns: i64, progress: Option<Progress>) {
+        self.begin(now_ns, progress);
+        self.stands_by_since = processor_ns(self.process.pid()).map(|used_ns| (used_ns, now_ns));
     }
 
     /// Kills it; it is said to have ended so.
@@ -85,26 +81,10 @@ impl Attached {
         exit
     }
 
-    /// Run time of the last sign of life, ns.
-    pub fn heard_ns(&self) -> i64 {
-        self.silence.heard_ns()
-    }
-
-    /// Notes a sign of life at `now_ns` with `cycles` done; it counts only with progress.
-    pub fn sign_of_life(&mut self, cycles: u64, now_ns: i64) {
-        self.silence.broken(cycles, now_ns);
-    }
-
     pub fn look_at_progress(&mut self, now_ns: i64) {
         if let Some(progress) = &self.progress {
-            let cycles = progress.cycles();
-            self.sign_of_life(cycles, now_ns);
+            self.silence.broken(progress.cycles(), now_ns);
         }
-    }
-
-    /// Counts the time without a sign of life from `now_ns` on.
-    pub fn reset_silence(&mut self, now_ns: i64) {
-        self.silence.reset(now_ns);
     }
 
     /// True if it hangs: no sign of life for more than `limit_ns`, although the machine gave it the processor. If it
@@ -123,26 +103,24 @@ impl Attached {
 
     /// Its cost as a standby; `None` for another process, or if the kernel does not show it.
     pub fn standby_cost(&self, now_ns: i64) -> Option<StandbyCost> {
-        let (before, since_ns) = self.stands_by_since?;
-        let now = Used::of(self.process.pid())?;
+        let (before_ns, since_ns) = self.stands_by_since?;
+        let used_ns = processor_ns(self.process.pid())?.saturating_sub(before_ns);
         let elapsed_ns = now_ns - since_ns;
         (elapsed_ns > 0).then(|| StandbyCost {
-            cpu_percent: 100.0 * now.processor_ns.saturating_sub(before.processor_ns) as f64
-                / elapsed_ns as f64,
+            cpu_percent: 100.0 * used_ns as f64 / elapsed_ns as f64,
             private_kib: private_kib(self.process.pid()),
         })
     }
 }
 
-impl Used {
-    fn of(pid: i32) -> Option<Self> {
-        let threads = std::fs::read_dir(format!("/proc/{pid}/task")).ok()?;
-        let of_thread = |thread: std::fs::DirEntry| {
-            let text = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
-            text.split_whitespace().next()?.parse::<u64>().ok()
-        };
-        Some(Self { processor_ns: threads.flatten().filter_map(of_thread).sum() })
-    }
+/// Processor time of a process so far, ns.
+fn processor_ns(pid: i32) -> Option<u64> {
+    let threads = std::fs::read_dir(format!("/proc/{pid}/task")).ok()?;
+    let of_thread = |thread: std::fs::DirEntry| {
+        let text = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse::<u64>().ok()
+    };
+    Some(threads.flatten().filter_map(of_thread).sum())
 }
 
 /// Memory of its own, KiB; 0 if the kernel does not show it.

@@ -1,13 +1,14 @@
-//! One service of the group over all its processes: their succession, signs of life, accounts.
+//! One member of the group over all its processes: their succession, signs of life, accounts.
 
 pub mod attached;
 pub mod life;
 pub mod silence;
 
 use crate::Error;
-use crate::events::Event as GroupEvent;
-use crate::member::attached::Attached;
+use crate::events::{Event as GroupEvent, Who};
+use crate::member::attached::{Attached, LAST_MOMENT};
 use crate::member::silence::Share;
+use crate::role::Role;
 use crate::root::RunRoot;
 use crate::start::processes::Process;
 use crate::succession::{Event, Phase, Standby, Step, Succession};
@@ -16,17 +17,17 @@ use drive::report::ServiceReport;
 use drive::{Exit, Heartbeats, StandbyCost};
 use messages::Service;
 use runtime::ToService;
-use scenario::supervision::Supervision;
+use scenario::supervision::{Restart, Supervision};
 use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-/// A service and its processes.
+/// A service or a node, and its processes.
 #[derive(Debug)]
-pub struct Member {
-    service: Service,
+pub struct Member<R = Service> {
+    pub role: R,
     program: Option<PathBuf>,
-    succession: Succession,
+    pub succession: Succession,
     /// All whose exit status was not taken, and the active one, also when it is gone.
     processes: Vec<Attached>,
     /// A process started ahead, which waits to be let in as the next one.
@@ -41,20 +42,20 @@ pub struct Member {
     pub heartbeats: Heartbeats,
 }
 
-impl Member {
-    /// Starts the first processes of `service`.
+impl<R: Role> Member<R> {
+    /// Starts the first processes of a member.
     pub fn start(
-        (service, with_standby): (Service, bool),
+        role: R,
         program: Option<PathBuf>,
-        policy: &Supervision,
+        (policy, restart, with_standby): (&Supervision, Restart, bool),
         root: &RunRoot,
         leader: i32,
-        events: &Sender<GroupEvent>,
+        events: &Sender<GroupEvent<R>>,
     ) -> Result<Self, Error> {
         let mut this = Self {
-            service,
+            role,
             program,
-            succession: Succession::new(policy, policy.restart_of(service), with_standby),
+            succession: Succession::new(policy, restart, with_standby),
             processes: Vec::new(),
             prepared: None,
             prepared_failed: false,
@@ -70,15 +71,15 @@ impl Member {
         Ok(this)
     }
 
-    /// Starts process `incarnation` of the service.
+    /// Starts process `incarnation`.
     pub fn spawn(
         &mut self,
         incarnation: u32,
         root: &RunRoot,
         leader: i32,
-        events: &Sender<GroupEvent>,
+        events: &Sender<GroupEvent<R>>,
     ) -> Result<(), Error> {
-        let who = (self.service, incarnation);
+        let who = Who { role: self.role, incarnation };
         let ahead = self.prepared.take_if(|one| one.incarnation == incarnation);
         let process = match ahead.map(|one| one.process) {
             Some(mut process) => {
@@ -111,20 +112,31 @@ impl Member {
         &mut self,
         root: &RunRoot,
         leader: i32,
-        events: &Sender<GroupEvent>,
+        events: &Sender<GroupEvent<R>>,
     ) -> Result<(), Error> {
-        let who = (self.service, self.succession.next());
+        let who = Who { role: self.role, incarnation: self.succession.next() };
         let process = Process::spawn(who, None, root, leader, events.clone(), true);
         self.prepared_failed = process.is_err();
-        self.prepared = Some(Attached::new(who.1, process?));
+        self.prepared = Some(Attached::new(who.incarnation, process?));
         Ok(())
     }
 
     /// True if process `incarnation`, which is gone, was only started ahead.
-    pub fn lost_prepared(&mut self, incarnation: u32) -> bool {
+    fn lost_prepared(&mut self, incarnation: u32) -> bool {
         let lost = self.prepared.take_if(|one| one.incarnation == incarnation);
         self.prepared_failed |= lost.is_some();
         lost.map(|mut one| one.process.end(Duration::ZERO)).is_some()
+    }
+
+    /// Takes the end of a process during the run: how it ended, and whether it had reported. `None` for one that was
+    /// only started ahead, or whose end was taken.
+    pub fn settle(&mut self, incarnation: u32) -> Option<(Exit, bool)> {
+        if self.lost_prepared(incarnation) {
+            return None;
+        }
+        let process = self.attached(incarnation)?;
+        process.is_settled = true;
+        Some((process.exit_in_run(LAST_MOMENT), process.has_told))
     }
 
     pub fn on(&mut self, event: Event, now_ns: i64) -> Vec<Step> {
@@ -133,13 +145,15 @@ impl Member {
         steps
     }
 
-    pub fn succession(&self) -> &Succession {
-        &self.succession
-    }
-
     /// Its active process.
     pub fn phase(&self) -> Phase {
         self.succession.phase
+    }
+
+    /// All processes that are kept.
+    pub fn all(&self) -> Vec<Who<R>> {
+        let role = self.role;
+        self.processes.iter().map(|one| Who { role, incarnation: one.incarnation }).collect()
     }
 
     /// Process `incarnation`, unless its exit status was taken long ago.
@@ -202,16 +216,16 @@ impl Member {
     pub fn sign_of_life(&mut self, sign: &Sign, now_ns: i64) {
         self.heartbeats.count += 1;
         self.heartbeats.degraded += u64::from(sign.degraded);
-        let silent_ms = (now_ns - self.active().heard_ns()) as f64 / 1e6;
+        let silent_ms = (now_ns - self.active().silence.heard_ns()) as f64 / 1e6;
         self.heartbeats.longest_silence_ms = self.heartbeats.longest_silence_ms.max(silent_ms);
         if let Some(process) = self.attached(sign.incarnation) {
-            process.sign_of_life(sign.cycles, now_ns);
+            process.silence.broken(sign.cycles, now_ns);
         }
     }
 
     /// Counts the time without a sign of life from `now_ns` on.
     pub fn reset_silence(&mut self, now_ns: i64) {
-        self.processes.iter_mut().for_each(|one| one.reset_silence(now_ns));
+        self.processes.iter_mut().for_each(|one| one.silence.reset(now_ns));
     }
 
     /// The active process if it hangs, and the standby if it does.
@@ -263,11 +277,7 @@ impl Member {
         standby.standby_cost(now_ns)
     }
 
-    pub fn service(&self) -> Service {
-        self.service
-    }
-
-    /// Index of the active process of the service, from 0.
+    /// Index of its active process, from 0.
     pub fn incarnation(&self) -> u32 {
         self.succession.active()
     }

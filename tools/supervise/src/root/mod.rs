@@ -6,6 +6,8 @@
 pub mod dead_runs;
 
 use crate::MachineError;
+use messages::Service;
+use runtime::{Group, Mode, Timetable};
 use rustix::fs::{FlockOperation, flock};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use std::fs::{DirBuilder, File};
@@ -60,6 +62,19 @@ impl RunRoot {
 
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The group of this run; its members read `scenario`.
+    pub fn group(
+        &self,
+        mode: Mode,
+        timetable: Timetable,
+        standby: Vec<Service>,
+        scenario: Vec<u8>,
+    ) -> Group {
+        let (root, prefix) = (self.path.clone(), self.prefix.clone());
+        let patience_ns = 10_000_000_000;
+        Group { root, prefix, mode, timetable, standby, patience_ns, scenario }
     }
 
     /// Prefix of the run's shared-memory objects.

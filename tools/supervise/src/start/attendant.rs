@@ -1,29 +1,27 @@
-//! A process of the group beside the services: the recorder, the bridge, the replayer, a node of a user's graph.
+//! A process of the group beside the services: the recorder, the bridge, the replayer.
 
 use crate::root::{RunRoot, open_lock, wipe};
-use crate::start::processes::{DONE, end_within, this_program};
+use crate::start::processes::{DONE, Process, this_program};
 use crate::{Error, MachineError};
 use runtime::{enroll_listener, inherit_only};
 use rustix::fs::{FlockOperation, flock};
-use rustix::process::{Pid, Signal, kill_process, kill_process_group};
-use serde::Serialize;
+use rustix::process::{Pid, Signal, kill_process_group};
 use serde::de::DeserializeOwned;
 use std::ffi::OsStr;
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{Child, ChildStdin, ExitCode, ExitStatus, Stdio};
+use std::process::{ExitCode, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 /// Name of the one that serves viewers: in lockstep no sender waits for it.
 pub const BRIDGE: &str = "bridge";
 
-/// Such a process, and the JSON lines on its standard streams.
+/// Such a process, and the JSON lines that it writes. It ends with its handle.
 #[derive(Debug)]
 pub struct Attendant {
-    child: Child,
-    input: Option<ChildStdin>,
+    pub process: Process,
     lines: Receiver<String>,
 }
 
@@ -36,36 +34,24 @@ impl Attendant {
         root: &RunRoot,
         group: i32,
     ) -> Result<Self, Error> {
-        Self::spawn_as(name, name, arguments, root, group)
-    }
-
-    /// The same under another name in `ps`, behind `timegap-`.
-    pub fn spawn_as(
-        shown: &str,
-        name: &str,
-        arguments: &[&OsStr],
-        root: &RunRoot,
-        group: i32,
-    ) -> Result<Self, Error> {
         let mut command = this_program(&["service", name])?;
         command
-            .arg0(format!("timegap-{shown}"))
+            .arg0(format!("timegap-{name}"))
             .arg(root.path())
             .args(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .process_group(group);
         inherit_only(&mut command, Some(root.lock()));
-        let error = MachineError::cannot(format!("start the {shown}"));
+        let error = MachineError::cannot(format!("start the {name}"));
         let mut child = command.spawn().map_err(&error)?;
         if name != BRIDGE {
             enroll_listener(root.prefix(), child.id())?;
         }
-        let input = child.stdin.take();
         let out = child.stdout.take().expect("piped");
         let (sender, lines) = channel();
         std::thread::Builder::new()
-            .name(format!("{shown}-out"))
+            .name(format!("{name}-out"))
             .spawn(move || {
                 for line in BufReader::new(out).lines().map_while(Result::ok) {
                     if sender.send(line).is_err() {
@@ -74,17 +60,7 @@ impl Attendant {
                 }
             })
             .map_err(error)?;
-        Ok(Self { child, input, lines })
-    }
-
-    /// Sends it a message. The process may be gone.
-    pub fn send(&mut self, message: &impl Serialize) {
-        let line = serde_json::to_string(message).expect("link messages are plain data");
-        if let Some(input) = &mut self.input
-            && writeln!(input, "{line}").is_err()
-        {
-            self.input = None;
-        }
+        Ok(Self { process: Process::of(child, group), lines })
     }
 
     /// Its next message, if it comes in time.
@@ -100,42 +76,15 @@ impl Attendant {
         }
     }
 
-    pub fn pid(&self) -> i32 {
-        i32::try_from(self.child.id()).expect("process ids are positive and fit")
-    }
-
-    pub fn kill(&mut self) {
-        // It may be gone by now.
-        let _ = self.child.kill();
-    }
-
-    /// Stops it, or lets it go on.
-    pub fn stop(&mut self, is_stopped: bool) {
-        let signal = if is_stopped { Signal::STOP } else { Signal::CONT };
-        if !self.is_gone()
-            && let Some(pid) = Pid::from_raw(self.pid())
-        {
-            // Not waited for yet: the id cannot be another's.
-            let _ = kill_process(pid, signal);
-        }
-    }
-
     /// True once the process is gone.
     pub fn is_gone(&mut self) -> bool {
-        self.child.try_wait().is_ok_and(|status| status.is_some())
-    }
-
-    /// Waits until the process is gone; kills it after `grace`.
-    pub fn end(&mut self, grace: Duration) -> Option<ExitStatus> {
-        // The end of its input ends it.
-        self.input = None;
-        end_within(&mut self.child, grace)
+        self.process.poll().is_some()
     }
 }
 
 impl Drop for Attendant {
     fn drop(&mut self) {
-        self.end(Duration::ZERO);
+        self.process.end(Duration::ZERO);
     }
 }
 
@@ -149,10 +98,11 @@ pub fn run(root: &Path) -> ExitCode {
     let Ok(lock) = open_lock(root) else { return ExitCode::FAILURE };
     let mut group = None;
     for line in std::io::stdin().lock().lines().map_while(Result::ok) {
-        if line == DONE {
+        let order = line.parse().ok();
+        if order == Some(DONE) {
             return ExitCode::SUCCESS;
         }
-        group = line.parse().ok().and_then(Pid::from_raw);
+        group = order.and_then(Pid::from_raw);
     }
     let died = Instant::now();
     while flock(&lock, FlockOperation::NonBlockingLockExclusive).is_err() {

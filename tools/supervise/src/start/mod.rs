@@ -38,8 +38,3 @@ pub fn of_service(service: Service, path: &Path, here: &Path) -> Result<Program,
         UsageError::at(place, reason.message, reason.expected)
     })
 }
-
-/// True if what `service` does is up to a program of the user's.
-pub fn is_foreign(programs: &BTreeMap<Service, Program>, service: Service) -> bool {
-    programs.contains_key(&service)
-}

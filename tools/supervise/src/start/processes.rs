@@ -1,17 +1,17 @@
 //! The group's processes.
 
-use crate::events::{Event, ServiceProcess, follow};
+use crate::events::{Event, Who, follow};
+use crate::role::Role;
 use crate::root::RunRoot;
 use crate::root::dead_runs::remove_unfinished;
 use crate::{Error, MachineError};
 use controller::laws;
 use messages::Service;
 use runtime::scheduling::set_fifo_of;
-use runtime::{
-    Mode, NAME_PREFIX, PEER_JOINED, PREPARED, PREPARED_PREFIX, ToService, enroll, inherit_only,
-};
+use runtime::{Mode, NAME_PREFIX, PEER_JOINED, PREPARED, PREPARED_PREFIX, ToService, inherit_only};
 use rustix::process::{Pid, Signal, kill_process};
 use scenario::Scenario;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io::Write;
@@ -23,37 +23,50 @@ use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
-/// Word of a launcher that has already cleaned up, for the janitor.
-pub const DONE: &str = "done";
+/// Order of a launcher that has already cleaned up, in place of a process group.
+pub const DONE: i32 = 0;
 
+/// A process that this one started, with the lines that it gets.
 #[derive(Debug)]
 pub struct Process {
     child: Child,
     group: i32,
     orders: Option<ChildStdin>,
     status: Option<ExitStatus>,
-    /// The thread that waits for its end.
+    /// The threads that wait for its end.
     followers: Arc<[AtomicI32; 2]>,
 }
 
 impl Process {
-    /// Starts `service`, as this program again or as `program`. Its process group is `group`, or a new one for 0. Its
-    /// name differs from a service's while it `waits` to be let in.
-    pub fn spawn(
-        (service, incarnation): (Service, u32),
+    /// A child in process group `group`, or in its own for 0.
+    pub fn of(mut child: Child, group: i32) -> Self {
+        let orders = child.stdin.take();
+        let group = if group == 0 { pid(&child) } else { group };
+        Self { child, group, orders, status: None, followers: Arc::default() }
+    }
+
+    /// Starts a process of a member, as this program again or as `program`. Its process group is `group`, or a new one
+    /// for 0. Its name differs from the member's while it `waits` to be let in.
+    pub fn spawn<R: Role>(
+        who: Who<R>,
         program: Option<&PathBuf>,
         root: &RunRoot,
         group: i32,
-        events: Sender<Event>,
+        events: Sender<Event<R>>,
         waits: bool,
     ) -> Result<Self, Error> {
+        let Who { role, incarnation } = who;
         let mut command = match program {
             Some(program) => Command::new(program),
-            None => this_program(&["service", service.name()])?,
+            None => {
+                let mut command = this_program(&["service"])?;
+                command.args(role.words());
+                command
+            }
         };
         let prefix = if waits { PREPARED_PREFIX } else { NAME_PREFIX };
         command
-            .arg0(format!("{prefix}{service}"))
+            .arg0(format!("{prefix}{role}"))
             .arg(root.path())
             .arg(incarnation.to_string())
             .args(waits.then_some(PREPARED))
@@ -64,25 +77,23 @@ impl Process {
         inherit_only(&mut command, Some(root.lock()));
         let mut child = command.spawn().map_err(|e| match program {
             Some(program) => Error::path("start", program)(e),
-            None => MachineError::cannot(format_args!("start {service}"))(e).into(),
+            None => MachineError::cannot(format_args!("start {role}"))(e).into(),
         })?;
         if !waits {
-            enroll(root.prefix(), service, incarnation, child.id())?;
+            role.enroll(root.prefix(), incarnation, child.id())?;
         }
-        let orders = child.stdin.take();
         let out = child.stdout.take().expect("piped");
         let err = child.stderr.take().expect("piped");
         let (prefix, id) = (root.prefix().to_owned(), child.id());
         let on_end = move || remove_unfinished(&prefix, id);
-        let followers = follow(ServiceProcess { service, incarnation }, on_end, out, err, events)
+        let followers = follow(who, on_end, out, err, events)
             .map_err(MachineError::cannot("start a thread"))?;
-        let group = if group == 0 { pid(&child) } else { group };
-        Ok(Self { child, group, orders, status: None, followers })
+        Ok(Self { followers, ..Self::of(child, group) })
     }
 
     /// Lets a process that waits for it into the run at `root`.
-    pub fn let_in(&mut self, who: (Service, u32), root: &RunRoot) -> Result<(), Error> {
-        enroll(root.prefix(), who.0, who.1, self.child.id())?;
+    pub fn let_in<R: Role>(&mut self, who: Who<R>, root: &RunRoot) -> Result<(), Error> {
+        who.role.enroll(root.prefix(), who.incarnation, self.child.id())?;
         self.order(&ToService::Join);
         Ok(())
     }
@@ -132,8 +143,8 @@ impl Process {
         }
     }
 
-    /// Sends the service a message. The process may be gone.
-    pub fn order(&mut self, order: &ToService) {
+    /// Sends it a message. The process may be gone.
+    pub fn order(&mut self, order: &impl Serialize) {
         if let Some(orders) = &mut self.orders {
             let line = serde_json::to_string(order).expect("orders are plain data");
             if writeln!(orders, "{line}").is_err() {
@@ -145,7 +156,7 @@ impl Process {
     /// Waits until the process is gone; kills it after `grace`. Its status, and whether it was killed
     /// here.
     pub fn end(&mut self, grace: Duration) -> (ExitStatus, bool) {
-        // The end of the orders ends the service.
+        // The end of its input ends it.
         self.orders = None;
         let begun = Instant::now();
         let mut killed = false;
@@ -177,25 +188,8 @@ fn pid(child: &Child) -> i32 {
 /// Time that a janitor with nothing left to do gets to end; a stopped one never would.
 const DISMISSAL: Duration = Duration::from_secs(1);
 
-/// Waits for the end of a process that was ordered to end, and kills it after `grace`.
-pub fn end_within(child: &mut Child, grace: Duration) -> Option<ExitStatus> {
-    let begun = Instant::now();
-    while begun.elapsed() < grace {
-        if let Ok(Some(status)) = child.try_wait() {
-            return Some(status);
-        }
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    // Ours and not yet waited for: the id cannot be another's.
-    let _ = child.kill();
-    child.wait().ok()
-}
-
 #[derive(Debug)]
-pub struct Janitor {
-    child: Child,
-    lines: Option<ChildStdin>,
-}
+pub struct Janitor(Process);
 
 impl Janitor {
     /// Starts the janitor of the run at `root`, outside the services' process group.
@@ -210,38 +204,27 @@ impl Janitor {
             .process_group(0);
         // Not even another run's descriptors, which threads beside this one have open.
         inherit_only(&mut command, None);
-        let mut child = command.spawn().map_err(MachineError::cannot("start the janitor"))?;
-        let lines = child.stdin.take();
-        Ok(Self { child, lines })
+        let child = command.spawn().map_err(MachineError::cannot("start the janitor"))?;
+        Ok(Self(Process::of(child, 0)))
     }
 
     /// Sends it the process group of the services.
     pub fn watch(&mut self, group: i32) {
-        self.write_line(&group.to_string());
+        self.0.order(&group);
     }
 
     pub fn kill(&mut self) {
-        // It may be gone by now.
-        let _ = self.child.kill();
+        self.0.kill();
     }
 
     pub fn is_gone(&mut self) -> bool {
-        self.child.try_wait().is_ok_and(|status| status.is_some())
+        self.0.poll().is_some()
     }
 
     /// Ends it: the launcher has cleaned up.
     pub fn dismiss(mut self) {
-        self.write_line(DONE);
-        drop(self.lines.take());
-        let _ = end_within(&mut self.child, DISMISSAL);
-    }
-
-    fn write_line(&mut self, line: &str) {
-        if let Some(lines) = &mut self.lines
-            && writeln!(lines, "{line}").is_err()
-        {
-            self.lines = None;
-        }
+        self.0.order(&DONE);
+        self.0.end(DISMISSAL);
     }
 }
 
@@ -291,9 +274,9 @@ mod tests {
     #[test]
     fn a_janitor_that_does_not_answer_keeps_no_run_from_its_end() {
         let mut command = Command::new("sleep");
-        let mut child = command.arg("1000").stdin(Stdio::piped()).spawn().expect("a process");
-        let (pid, lines) = (child.id(), child.stdin.take());
-        Janitor { child, lines }.dismiss();
+        let child = command.arg("1000").stdin(Stdio::piped()).spawn().expect("a process");
+        let pid = child.id();
+        Janitor(Process::of(child, 0)).dismiss();
         assert!(!std::path::Path::new(&format!("/proc/{pid}")).exists(), "it is gone");
     }
 }

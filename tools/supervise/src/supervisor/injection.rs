@@ -9,7 +9,7 @@ use crate::refusal::absent;
 use crate::succession::Phase;
 use drive::log::DriveLog;
 use messages::Service;
-use runtime::{Injected, Mode, ToService, concerned, monotonic_ns};
+use runtime::{Injected, Mode, ToService, concerned};
 use rustix::process::Signal;
 use scenario::faults::{Effect, Fault, Helper};
 use std::collections::BTreeMap;
@@ -26,7 +26,7 @@ impl Supervisor<'_> {
                     Phase::Vacant { .. } | Phase::Waiting { .. } | Phase::GivenUp => return None,
                 };
                 let incarnation = member.incarnation();
-                Some((member.service(), LiveProcess { incarnation, starting_since_ns }))
+                Some((member.role, LiveProcess { incarnation, starting_since_ns }))
             })
             .collect();
         let due = self.faults.due(now_ns, log.ego(), |service| living.get(&service).copied());
@@ -60,7 +60,7 @@ impl Supervisor<'_> {
                     disturbance = self.disturb(Disturbance::memory(self.roster.root, mib))
                 }
             }
-            let done_ns = monotonic_ns() - self.start_ns;
+            let done_ns = self.roster.now_ns();
             self.faults.done(index, done_ns, disturbance, while_starting);
         }
     }
@@ -81,7 +81,8 @@ impl Supervisor<'_> {
             return refused(absent.to_string());
         }
         let begin_ns = if lockstep {
-            self.group.timetable.step_ns * i64::try_from(log.reached()).expect("runs are finite")
+            self.roster.group.timetable.step_ns
+                * i64::try_from(log.reached()).expect("runs are finite")
         } else {
             now_ns
         };
@@ -95,7 +96,7 @@ impl Supervisor<'_> {
             for service in concerned {
                 self.roster.of(service).order(&ToService::Inject(injected.clone()));
             }
-            self.faults.injected.push(injected);
+            self.roster.injected.push(injected);
         }
         Answer { ok: true, message }
     }

@@ -1,12 +1,12 @@
 //! From the first spawn to the last wipe.
 
 mod injection;
-mod readiness;
+pub mod readiness;
 mod replacement;
-mod roster;
+pub mod roster;
 mod watch;
 
-use crate::events::{Event, ServiceProcess, follow_signals};
+use crate::events::{Who, follow_signals};
 use crate::faults::Faults;
 use crate::member::{Member, life};
 use crate::recording::{Listener, law_names};
@@ -15,7 +15,7 @@ use crate::root::RunRoot;
 use crate::root::check_room;
 use crate::start::attendant::BRIDGE;
 use crate::start::live_file::LiveFile;
-use crate::start::processes::{Janitor, Launch, for_services};
+use crate::start::processes::{Launch, for_services};
 use crate::start::programs;
 use crate::{Error, control};
 use drive::log::DriveLog;
@@ -24,14 +24,14 @@ use drive::{GroupOutcome, Moment};
 use messages::Service;
 use recorder::Start;
 use roster::Roster;
-use runtime::scheduling::{Granted, Priority};
+use runtime::scheduling::Priority;
 use runtime::{
-    Carrier, Group, Mode, Program, Timetable, enroll_listener, monotonic_ns, shared_memory_bytes,
+    Carrier, Mode, Program, Timetable, enroll_listener, monotonic_ns, shared_memory_bytes,
 };
 use scenario::runtime::Scheduling;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 /// Time that services get to go after they reported.
@@ -56,78 +56,51 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     let standby: Vec<Service> = launch.scenario.supervision.standby.iter().copied().collect();
     check_room(shared_memory_bytes(&timetable, &standby))?;
     let root = RunRoot::create()?;
-    let janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
     let signals = follow_signals(sender.clone())?;
     control::listen(root.path(), sender.clone())?;
     let is_replaced = launch.programs.contains_key(&Service::Controller);
-    let group = Group {
-        root: root.path().to_owned(),
-        prefix: root.prefix().to_owned(),
-        mode: launch.mode,
-        timetable,
-        standby,
-        patience_ns: 10_000_000_000,
-        scenario: for_services(&launch.scenario, is_replaced).to_bytes(),
-    };
+    let scenario = for_services(&launch.scenario, is_replaced).to_bytes();
+    let group = root.group(launch.mode, timetable, standby, scenario);
     let mut supervisor = Supervisor {
         launch: &launch,
-        group,
         programs,
-        start_ns: 0,
-        roster: Roster::new(&root, janitor, sender),
-        events,
+        roster: Roster::new(&root, group, (sender, events))?,
         faults: Faults::of(&launch.scenario),
         recording: None,
         bridge: None,
-        journal: Journal::default(),
     };
     let outcome = supervisor.run(watch);
     let exits = supervisor.roster.end_all(EXIT_GRACE);
-    let janitor = supervisor.dissolve();
+    // The threads that send events end.
+    let janitor = supervisor.roster.dissolve();
     signals.close();
     control::close(root.path());
     root.remove();
     janitor.dismiss();
-    outcome.map(|outcome| GroupOutcome { exits, ..outcome })
-}
-
-/// Lines and grants of the services' processes.
-#[derive(Default)]
-struct Journal {
-    /// Scheduling that the kernel granted, by the name of the service.
-    granted: BTreeMap<String, Granted>,
-    /// Lines that processes wrote beside their messages.
-    wrote: Vec<(Service, String)>,
-}
-
-impl Journal {
-    fn last_lines(&self, service: Service) -> String {
-        let lines: Vec<_> = self.wrote.iter().filter(|(who, _)| *who == service).collect();
-        lines.iter().rev().take(3).rev().map(|(_, line)| format!("\n  {line}")).collect()
-    }
+    outcome.map(|outcome| GroupOutcome { exits: exits.into_iter().collect(), ..outcome })
 }
 
 /// A running group: what was asked for, its processes, and what happened to them.
 struct Supervisor<'a> {
     launch: &'a Launch,
-    group: Group,
     programs: BTreeMap<Service, Program>,
-    /// Run time 0, `CLOCK_MONOTONIC` ns.
-    start_ns: i64,
     roster: Roster<'a>,
-    events: Receiver<Event>,
     faults: Faults,
     recording: Option<Listener>,
     bridge: Option<Listener>,
-    journal: Journal,
 }
 
 impl Supervisor<'_> {
     fn run(&mut self, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
         let spawned = Instant::now();
-        self.group.write()?;
-        self.roster.start_all(self.launch)?;
+        self.roster.group.write()?;
+        let policy = &self.launch.scenario.supervision;
+        for service in self.launch.scenario.services() {
+            let program = self.launch.programs.get(&service).cloned();
+            let standby = policy.standby.contains(&service);
+            self.roster.start(service, program, (policy, policy.restart_of(service), standby))?;
+        }
         let (root, leader) = (self.roster.root, self.roster.leader());
         let listener = |name| move |target: OsString| Listener::spawn(name, target, root, leader);
         let Launch { recording, bridge, .. } = self.launch;
@@ -136,7 +109,7 @@ impl Supervisor<'_> {
         let deadline_ms = self.launch.scenario.controller.deadline().value();
         enroll_listener(root.prefix(), std::process::id())?;
         let deadline_ns = i64::from(deadline_ms) * 1_000_000;
-        let log = DriveLog::listen(&self.group, &self.launch.scenario, deadline_ns);
+        let log = DriveLog::listen(&self.roster.group, &self.launch.scenario, deadline_ns);
         let log = log.map_err(Error::from).and_then(|log| {
             self.wait_until_ready(spawned)?;
             Ok(log)
@@ -150,20 +123,20 @@ impl Supervisor<'_> {
 
         let delay =
             i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
-        self.start_ns = monotonic_ns() + delay;
+        let start_ns = monotonic_ns() + delay;
         let programs = self.programs.iter();
         let start = Start {
-            start_ns: self.start_ns,
-            scheduling: self.journal.granted.clone(),
+            start_ns,
+            scheduling: self.roster.granted.clone(),
             programs: programs.map(|(of, program)| (of.name().into(), program.clone())).collect(),
             law: law_names(&self.launch.scenario),
         };
         self.recording.iter_mut().chain(&mut self.bridge).for_each(|one| one.begin(&start));
-        self.begin_all();
+        self.roster.begin_all(start_ns);
         let live_file = self.launch.live_file.as_deref();
         let scenario = &self.launch.scenario;
         let _live =
-            live_file.map(|path| LiveFile::write(path, &self.group, scenario, self.start_ns));
+            live_file.map(|path| LiveFile::write(path, &self.roster.group, scenario, start_ns));
         let fifo = self.launch.scenario.runtime.scheduling == Scheduling::Fifo;
         let priority =
             (self.launch.mode == Mode::Realtime && fifo).then(|| Priority::raise(PRIORITY));
@@ -177,7 +150,7 @@ impl Supervisor<'_> {
         if let Some(bridge) = self.bridge.take() {
             bridge.dismiss();
         }
-        let ran_ns = (monotonic_ns() - self.start_ns).max(0);
+        let ran_ns = self.roster.now_ns().max(0);
         let reports = self.reports(&log);
         let statistics =
             reports.values().flat_map(|report| report.fault_statistics.iter().copied());
@@ -189,25 +162,25 @@ impl Supervisor<'_> {
             reports,
             exits: BTreeMap::new(),
             restarts: (self.roster.iter())
-                .map(|member| (member.service(), member.succession().replacements()))
+                .map(|member| (member.role, member.succession.replacements()))
                 .collect(),
             take_overs: (self.roster.iter())
-                .filter(|member| self.group.standby.contains(&member.service()))
-                .map(|member| (member.service(), member.succession().take_overs()))
+                .filter(|member| self.roster.group.standby.contains(&member.role))
+                .map(|member| (member.role, member.succession.take_overs()))
                 .collect(),
             standby_costs: (self.roster.iter())
-                .filter_map(|member| Some((member.service(), member.standby_cost(ran_ns)?)))
+                .filter_map(|member| Some((member.role, member.standby_cost(ran_ns)?)))
                 .collect(),
             heartbeats: (self.roster.iter())
                 .filter(|_| self.launch.mode == Mode::Realtime)
-                .map(|member| (member.service(), member.heartbeats))
+                .map(|member| (member.role, member.heartbeats))
                 .collect(),
             faults: std::mem::take(&mut self.faults.log.records),
             drive: log.finish()?,
             ready_after,
             ran_for: Duration::from_nanos(ran_ns.unsigned_abs()),
             recording: self.recording.take().map(Listener::finish),
-            wrote: std::mem::take(&mut self.journal.wrote),
+            wrote: std::mem::take(&mut self.roster.wrote),
             programs: self.programs.clone(),
         })
     }
@@ -215,14 +188,14 @@ impl Supervisor<'_> {
     /// Reports of all processes of each service, or their remains.
     fn reports(&mut self, log: &DriveLog) -> BTreeMap<Service, ServiceReport> {
         let mut reports = BTreeMap::new();
-        for member in self.roster.iter_mut() {
+        for service in self.launch.scenario.services() {
+            let member = self.roster.of(service);
             let mut lives = std::mem::take(&mut member.past);
             let was_restarted = !lives.is_empty() || member.report.is_none();
             lives.extend(member.report.take());
-            let service = member.service();
             let Some(mut whole) = life::whole(lives) else { continue };
             if was_restarted {
-                life::complete(&mut whole, &self.group, &self.launch.scenario, log);
+                life::complete(&mut whole, &self.roster.group, &self.launch.scenario, log);
             }
             reports.insert(service, whole);
         }
@@ -230,21 +203,16 @@ impl Supervisor<'_> {
     }
 
     /// Keeps the counts of a process that is gone, unless it reported them itself.
-    fn keep_account(&mut self, who: ServiceProcess, has_told: bool) {
-        let Some(granted) = self.journal.granted.get(who.service.name()).cloned() else { return };
-        let left = life::left_by(&self.group, who.service, who.incarnation, granted);
+    fn keep_account(&mut self, who: Who, has_told: bool) {
+        let Some(granted) = self.roster.granted.get(who.role.name()).cloned() else { return };
+        let left = life::left_by(&self.roster.group, who.role, who.incarnation, granted);
         if !has_told {
-            let past = &mut self.roster.of(who.service).past;
+            let past = &mut self.roster.of(who.role).past;
             past.push(left);
             // A long run with many deaths does not keep each.
             if past.len() > MOST_PAST {
                 *past = life::whole(std::mem::take(past)).into_iter().collect();
             }
         }
-    }
-
-    /// Lets go of everything but the janitor; the threads that send events end.
-    fn dissolve(self) -> Janitor {
-        self.roster.dissolve()
     }
 }

@@ -1,8 +1,10 @@
 //! From the first spawn to the common start.
 
+use super::roster::Roster;
 use super::{EXIT_GRACE, Supervisor};
-use crate::events::{Event, ServiceProcess};
-use crate::start::is_foreign;
+use crate::events::{Event, Who};
+use crate::member::Member;
+use crate::role::Role;
 use crate::succession::{self, Step};
 use crate::{Error, control};
 use drive::Exit;
@@ -13,52 +15,40 @@ use std::time::{Duration, Instant};
 /// Time within which a signal is an event, once it has interrupted a call.
 const SIGNAL_GRACE: Duration = Duration::from_millis(100);
 
-impl Supervisor<'_> {
-    /// Gives all processes, which are ready, the common start.
-    pub(super) fn begin_all(&mut self) {
-        for service in self.launch.scenario.services() {
-            let member = self.roster.of(service);
-            let mut steps = member.on(succession::Event::Ready(0), 0);
-            steps.extend(member.on(succession::Event::Ready(1), 0));
-            for step in steps {
-                match step {
-                    Step::Activate(incarnation) => self.begin(service, incarnation, None, 0),
-                    Step::StandBy { incarnation, active } => {
-                        self.begin(service, incarnation, Some(active), 0);
-                    }
-                    _ => unreachable!("nothing has ended yet"),
-                }
-            }
-        }
-    }
+/// Reason why a group does not begin.
+#[derive(Debug)]
+pub enum Unready<R> {
+    Interrupted,
+    /// A member is not ready, with the reason in words.
+    Member(R, String),
+}
 
-    pub(super) fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
-        let processes = |&service: &Service| {
-            let of = self.group.standby.contains(&service);
-            (0..=u32::from(of)).map(move |incarnation| ServiceProcess { service, incarnation })
-        };
-        let mut waiting: Vec<ServiceProcess> =
-            self.launch.scenario.services().iter().flat_map(processes).collect();
-        while let Some(first) = waiting.first().map(|who| who.service) {
-            let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
+impl<R: Role> Roster<'_, R> {
+    /// Waits until the first processes of all members are ready, for `patience` at most.
+    pub fn wait_until_ready(&mut self, patience: Duration) -> Result<(), Unready<R>> {
+        let spawned = Instant::now();
+        let mut waiting: Vec<Who<R>> = self.iter().flat_map(Member::all).collect();
+        while let Some(first) = waiting.first().map(|who| who.role) {
+            let left = patience.saturating_sub(spawned.elapsed());
             if left.is_zero() {
-                let timeout = self.launch.ready_timeout.as_secs_f64();
-                return Err(self.not_ready(first, format!("was not ready within {timeout} s")));
+                let seconds = patience.as_secs_f64();
+                let why = format!("was not ready within {seconds} s");
+                return Err(Unready::Member(first, why));
             }
             match self.events.recv_timeout(left) {
                 Ok(Event::Message(who, FromService::Ready(granted))) => {
                     waiting.retain(|waiting| *waiting != who);
-                    self.journal.granted.insert(who.service.name().into(), granted);
+                    self.granted.insert(who.role.to_string(), granted);
                 }
                 Ok(Event::Message(who, FromService::Failed(reason))) => {
-                    return Err(self.not_ready(who.service, format!("failed: {reason}")));
+                    return Err(Unready::Member(who.role, format!("failed: {reason}")));
                 }
                 Ok(Event::Flooded(who)) => {
-                    let what = "wrote endless text instead of messages: it is not a service".into();
-                    return Err(self.not_ready(who.service, what));
+                    let what = "wrote endless text instead of messages: it is not a service";
+                    return Err(Unready::Member(who.role, what.into()));
                 }
-                Ok(Event::Gone(ServiceProcess { service, incarnation })) => {
-                    let process = self.roster.of(service).attached(incarnation);
+                Ok(Event::Gone(Who { role, incarnation })) => {
+                    let process = self.of(role).attached(incarnation);
                     let process = process.expect("it has just been started");
                     let exit = process.exit(EXIT_GRACE, Exit::OutputClosed);
                     let how = match exit {
@@ -66,11 +56,10 @@ impl Supervisor<'_> {
                         other => other.to_string(),
                     };
                     let what = format!("ended before it was ready ({how})");
-                    let what = what + &self.journal.last_lines(service);
-                    return Err(self.not_ready(service, what));
+                    return Err(Unready::Member(role, what + &self.last_lines(role)));
                 }
-                Ok(Event::Signal) => return Err(Error::Interrupted),
-                Ok(Event::Output(who, line)) => self.journal.wrote.push((who.service, line)),
+                Ok(Event::Signal) => return Err(Unready::Interrupted),
+                Ok(Event::Output(who, line)) => self.wrote.push((who.role, line)),
                 Ok(Event::Inject(_, reply)) => {
                     let message = "the run has not begun".into();
                     // The client may be gone.
@@ -83,12 +72,39 @@ impl Supervisor<'_> {
         Ok(())
     }
 
+    /// Gives all processes, which are ready, the common start at `start_ns`.
+    pub fn begin_all(&mut self, start_ns: i64) {
+        self.start_ns = start_ns;
+        let all: Vec<Who<R>> = self.iter().flat_map(Member::all).collect();
+        for Who { role, incarnation } in all {
+            for step in self.of(role).on(succession::Event::Ready(incarnation), 0) {
+                match step {
+                    Step::Activate(incarnation) => self.begin(role, incarnation, None, 0),
+                    Step::StandBy { incarnation, active } => {
+                        self.begin(role, incarnation, Some(active), 0);
+                    }
+                    _ => unreachable!("nothing has ended yet"),
+                }
+            }
+        }
+    }
+}
+
+impl Supervisor<'_> {
+    pub(super) fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
+        let patience = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
+        self.roster.wait_until_ready(patience).map_err(|why| match why {
+            Unready::Interrupted => Error::Interrupted,
+            Unready::Member(service, what) => self.not_ready(service, what),
+        })
+    }
+
     /// Reason why the group did not come up: a signal, if one came. It also interrupts calls of this process and of
     /// services that got it too. These calls fail with reasons of their own.
     pub(super) fn or_interrupted(&self, error: Error) -> Error {
         let until = Instant::now() + SIGNAL_GRACE;
         while let Ok(event) =
-            self.events.recv_timeout(until.saturating_duration_since(Instant::now()))
+            self.roster.events.recv_timeout(until.saturating_duration_since(Instant::now()))
         {
             if matches!(event, Event::Signal) {
                 return Error::Interrupted;
@@ -97,8 +113,8 @@ impl Supervisor<'_> {
         error
     }
 
-    fn not_ready(&mut self, service: Service, what: String) -> Error {
-        let foreign = is_foreign(&self.programs, service);
+    fn not_ready(&self, service: Service, what: String) -> Error {
+        let foreign = self.programs.contains_key(&service);
         let hint = match foreign && service == Service::Controller {
             true => " (a law's program is not a service: give it with --law NAME=COMMAND)",
             false => "",

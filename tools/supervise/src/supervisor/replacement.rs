@@ -1,13 +1,18 @@
 //! Processes of a run under way that end, and those that replace them.
 
 use super::Supervisor;
-use super::watch::{Course, LAST_MOMENT};
-use crate::events::ServiceProcess;
+use super::roster::Roster;
+use super::watch::Course;
+use crate::Error;
+use crate::events::Who;
+use crate::faults::log::FaultLog;
+use crate::member::attached::LAST_MOMENT;
+use crate::role::Role;
 use crate::succession::{self, Phase, Standby, Step};
 use drive::log::DriveLog;
 use drive::{Ended, Exit};
 use messages::Service;
-use runtime::{ActiveProcess, Cause, Mode, StartOrder, TakeOver, ToService};
+use runtime::{ActiveProcess, Cause, Mode, Progress, StartOrder, TakeOver, ToService};
 
 /// Time after which a restarted service that is not ready is killed, ns.
 const RESTART_TIMEOUT_NS: i64 = 2_000_000_000;
@@ -16,20 +21,14 @@ impl Supervisor<'_> {
     /// A process is gone: the succession says what follows.
     pub(super) fn on_exit(
         &mut self,
-        who: ServiceProcess,
+        who: Who,
         log: &mut DriveLog,
         course: &mut Course,
         now_ns: i64,
     ) {
-        let (service, incarnation) = (who.service, who.incarnation);
-        if self.roster.of(service).lost_prepared(incarnation) {
-            return;
-        }
+        let (service, incarnation) = (who.role, who.incarnation);
         let is_active = self.roster.is_active(who);
-        let Some(process) = self.roster.of(service).attached(incarnation) else { return };
-        let exit = process.exit_in_run(LAST_MOMENT);
-        let has_told = process.has_told;
-        process.is_settled = true;
+        let Some((exit, has_told)) = self.roster.of(service).settle(incarnation) else { return };
         self.keep_account(who, has_told);
         if is_active {
             let kind = match exit {
@@ -60,21 +59,16 @@ impl Supervisor<'_> {
     /// A standby has become the active process.
     pub(super) fn on_take_over(
         &mut self,
-        who: ServiceProcess,
+        who: Who,
         told: TakeOver,
         course: &mut Course,
         now_ns: i64,
     ) {
-        let old = self.roster.of(who.service).incarnation();
-        let noticed_ns = told.noticed_ns - self.start_ns;
-        let kind = match told.cause {
-            Cause::Gone => "died",
-            Cause::Silent => "hung",
-        };
-        if course.ended == Ended::Orderly && old != who.incarnation {
-            self.faults.log.taken_over(who.service, old, kind, noticed_ns);
+        if course.ended == Ended::Orderly
+            && self.roster.is_taken_over(who, told, &mut self.faults.log)
+        {
             let took_over = succession::Event::TookOver(who.incarnation);
-            self.follow(who.service, took_over, course, now_ns);
+            self.follow(who.role, took_over, course, now_ns);
         }
     }
 
@@ -86,42 +80,27 @@ impl Supervisor<'_> {
         course: &mut Course,
         now_ns: i64,
     ) {
-        for step in self.roster.of(service).on(event, now_ns) {
+        let steps = match self.roster.follow(service, event, now_ns) {
+            Ok(steps) => steps,
+            Err(error) => return self.break_off(service, error.to_string(), course),
+        };
+        for step in steps {
+            if matches!(step, Step::Replaced { .. }) {
+                self.faults.replaced(service);
+            }
+            if !matches!(step, Step::GiveUp | Step::EndRun) {
+                continue;
+            }
+            let how = self.roster.of(service).active().exit_in_run(LAST_MOMENT);
             match step {
-                Step::Start(incarnation) => {
-                    if let Err(error) = self.roster.start_next(service, incarnation) {
-                        self.break_off(service, error.to_string(), course);
-                    }
-                }
-                Step::Activate(incarnation) => self.admit(service, incarnation, None, now_ns),
-                Step::StandBy { incarnation, active } => {
-                    self.admit(service, incarnation, Some(active), now_ns);
-                }
-                Step::Replaced { old, new } => {
-                    // A stopped process cannot end itself.
-                    self.roster.kill(ServiceProcess { service, incarnation: old }, Exit::Replaced);
-                    let member = self.roster.of(service);
-                    member.active().begin(now_ns);
-                    debug_assert_eq!(member.incarnation(), new);
-                    self.faults.replaced(service);
-                }
-                Step::Kill(incarnation) => {
-                    self.roster.kill(ServiceProcess { service, incarnation }, Exit::Hung);
-                }
-                Step::GiveUp if service != Service::Plant => {
-                    let how = self.roster.of(service).active().exit_in_run(LAST_MOMENT);
-                    self.journal
-                        .wrote
-                        .push((service, format!("{how}, too often: stopping the vehicle")));
-                    self.roster.of(Service::Plant).order(&ToService::SafeStop);
-                }
-                Step::GiveUp => {
-                    let how = self.roster.of(service).active().exit_in_run(LAST_MOMENT);
+                Step::EndRun => self.break_off(service, how.to_string(), course),
+                _ if service == Service::Plant => {
                     self.break_off(service, format!("{how}, too often"), course);
                 }
-                Step::EndRun => {
-                    let how = self.roster.of(service).active().exit_in_run(LAST_MOMENT);
-                    self.break_off(service, how.to_string(), course);
+                _ => {
+                    let line = format!("{how}, too often: stopping the vehicle");
+                    self.roster.wrote.push((service, line));
+                    self.roster.of(Service::Plant).order(&ToService::SafeStop);
                 }
             }
         }
@@ -130,28 +109,101 @@ impl Supervisor<'_> {
     pub(super) fn start_what_is_due(&mut self, course: &mut Course, now_ns: i64) {
         for service in self.launch.scenario.services() {
             self.follow(service, succession::Event::Tick, course, now_ns);
-            if let Some(incarnation) = self.roster.of(service).overdue(now_ns, RESTART_TIMEOUT_NS) {
-                // Its end is the next event.
-                self.roster.kill(ServiceProcess { service, incarnation }, Exit::NotReady);
+            self.roster.kill_the_late(service, now_ns, RESTART_TIMEOUT_NS);
+        }
+    }
+
+    /// Starts a process ahead: one at a time, and only while nothing else is to be done.
+    pub(super) fn prepare_one(&mut self) {
+        let is_quiet = self.roster.iter().all(|member| member.phase() == Phase::Running)
+            && !self.faults.log.is_recovery_awaited();
+        if is_quiet && self.launch.scenario.supervision.prepared {
+            self.roster.prepare_one();
+        }
+    }
+}
+
+impl<R: Role> Roster<'_, R> {
+    /// Does what follows from an event in a member's succession. Returns all steps: what a replacement and an end mean
+    /// beyond the member is for the caller.
+    pub fn follow(
+        &mut self,
+        role: R,
+        event: succession::Event,
+        now_ns: i64,
+    ) -> Result<Vec<Step>, Error> {
+        let steps = self.of(role).on(event, now_ns);
+        for step in &steps {
+            match *step {
+                Step::Start(incarnation) => self.start_next(role, incarnation)?,
+                Step::Activate(incarnation) => self.admit(role, incarnation, None, now_ns),
+                Step::StandBy { incarnation, active } => {
+                    self.admit(role, incarnation, Some(active), now_ns);
+                }
+                Step::Replaced { old, new } => {
+                    // A stopped process cannot end itself.
+                    self.kill(Who { role, incarnation: old }, Exit::Replaced);
+                    let progress = self.progress(role, new, false);
+                    self.of(role).active().begin(now_ns, progress);
+                }
+                Step::Kill(incarnation) => self.kill(Who { role, incarnation }, Exit::Hung),
+                Step::GiveUp | Step::EndRun => {}
             }
+        }
+        Ok(steps)
+    }
+
+    /// Notes in the log that a standby has become the active process; false if it was that already.
+    pub fn is_taken_over(&mut self, who: Who<R>, told: TakeOver, log: &mut FaultLog<R>) -> bool {
+        let old = self.of(who.role).incarnation();
+        let kind = match told.cause {
+            Cause::Gone => "died",
+            Cause::Silent => "hung",
+        };
+        if old != who.incarnation {
+            log.taken_over(who.role, old, kind, told.noticed_ns - self.start_ns);
+        }
+        old != who.incarnation
+    }
+
+    /// Kills the processes that hang, which `limit_ns` says of each member; their end is an event. The log gets the
+    /// active ones.
+    pub fn kill_the_hung(
+        &mut self,
+        now_ns: i64,
+        limit_ns: impl Fn(R) -> i64,
+        log: &mut FaultLog<R>,
+    ) {
+        for member in self.iter_mut() {
+            let role = member.role;
+            for incarnation in member.hung(now_ns, limit_ns(role)) {
+                let is_active = member.incarnation() == incarnation;
+                let Some(process) = member.attached(incarnation) else { continue };
+                process.kill(Exit::Hung);
+                if is_active {
+                    let heard_ns = Some(process.silence.heard_ns());
+                    log.detected(role, "hung", incarnation + 1, heard_ns, now_ns);
+                }
+            }
+        }
+    }
+
+    /// Kills a process of a member that should be ready by now; its end is an event.
+    pub fn kill_the_late(&mut self, role: R, now_ns: i64, limit_ns: i64) {
+        if let Some(incarnation) = self.of(role).overdue(now_ns, limit_ns) {
+            self.kill(Who { role, incarnation }, Exit::NotReady);
         }
     }
 
     /// Lets in a process that was started during the run. It is a standby of process `stands_by_for`, or the active
     /// one.
-    fn admit(
-        &mut self,
-        service: Service,
-        incarnation: u32,
-        stands_by_for: Option<u32>,
-        now_ns: i64,
-    ) {
-        self.begin(service, incarnation, stands_by_for, now_ns);
+    fn admit(&mut self, role: R, incarnation: u32, stands_by_for: Option<u32>, now_ns: i64) {
+        self.begin(role, incarnation, stands_by_for, now_ns);
         // The others' senders look for it, so that it receives their next messages.
-        for member in self.roster.iter_mut().filter(|m| m.phase() == Phase::Running) {
-            let is_own = member.service() == service;
+        for member in self.iter_mut().filter(|m| m.phase() == Phase::Running) {
+            let is_own = member.role == role;
             let active = member.incarnation();
-            let standby = match member.succession().standby() {
+            let standby = match member.succession.standby() {
                 Standby::Ready { incarnation } => Some(incarnation),
                 _ => None,
             };
@@ -168,34 +220,32 @@ impl Supervisor<'_> {
     /// Gives a process that is ready the start order, and what was injected before.
     pub(super) fn begin(
         &mut self,
-        service: Service,
+        role: R,
         incarnation: u32,
         stands_by_for: Option<u32>,
         now_ns: i64,
     ) {
         let standby_for = stands_by_for.map(|active| {
-            let pid = self.roster.of(service).pid_of(active);
+            let pid = self.of(role).pid_of(active);
             ActiveProcess { incarnation: active, pid }
         });
         let start = ToService::Start(StartOrder { start_ns: self.start_ns, standby_for });
-        let (injected, group) = (self.faults.injected.clone(), self.group.clone());
-        let Some(process) = self.roster.of(service).attached(incarnation) else { return };
+        let progress = self.progress(role, incarnation, stands_by_for.is_some());
+        let injected = self.injected.clone();
+        let Some(process) = self.of(role).attached(incarnation) else { return };
         process.process.order(&start);
         for fault in injected {
             process.process.order(&ToService::Inject(fault));
         }
         match stands_by_for {
-            Some(_) => process.stand_by(&group, service, now_ns),
-            None => process.begin(now_ns),
+            Some(_) => process.stand_by(now_ns, progress),
+            None => process.begin(now_ns, progress),
         }
     }
 
-    /// Starts a process ahead: one at a time, and only while nothing else is to be done.
-    pub(super) fn prepare_one(&mut self) {
-        let is_quiet = self.roster.iter().all(|member| member.phase() == Phase::Running)
-            && !self.faults.log.is_recovery_awaited();
-        if is_quiet && self.launch.scenario.supervision.prepared {
-            self.roster.prepare_one();
-        }
+    /// Signs of life of a process that sends none.
+    fn progress(&self, role: R, incarnation: u32, stands_by: bool) -> Option<Progress> {
+        let is_seen = stands_by || R::IS_SEEN_BY_COUNTS;
+        is_seen.then(|| role.figures(&self.group).progress(incarnation)).flatten()
     }
 }

@@ -3,14 +3,15 @@
 
 use super::Supervisor;
 use crate::Error;
-use crate::events::{Event, ServiceProcess};
+use crate::events::Event;
 use crate::member::Member;
+use crate::member::attached::LAST_MOMENT;
 use crate::recording::Listener;
 use crate::succession::{self, Phase};
 use drive::log::DriveLog;
 use drive::{Ended, Exit, Moment};
 use messages::Service;
-use runtime::{FromService, Mode, ToService, monotonic_ns};
+use runtime::{FromService, Mode, ToService};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
@@ -24,9 +25,6 @@ const CLOSE_LOOK: Duration = Duration::from_millis(1);
 const LOCKSTEP_LOOK: Duration = Duration::from_millis(2);
 /// The launcher looked so late that the silence may have been its own, ns.
 const STALLED_NS: i64 = 100_000_000;
-
-/// Time between the end of a process's output and its own.
-pub(super) const LAST_MOMENT: Duration = Duration::from_millis(100);
 
 /// Coming end of a run.
 pub(super) struct Course {
@@ -61,7 +59,7 @@ impl Supervisor<'_> {
         watch: &mut dyn FnMut(&Moment<'_>),
     ) -> Result<Ended, Error> {
         let realtime = self.launch.mode == Mode::Realtime;
-        let table = self.group.timetable;
+        let table = self.roster.group.timetable;
         let length_ns = table.step_ns * i64::try_from(table.last_step).expect("runs are finite");
         let length = Duration::from_nanos(length_ns.unsigned_abs());
         let end = Instant::now() + length + self.launch.start_delay + REPORT_GRACE;
@@ -71,15 +69,15 @@ impl Supervisor<'_> {
             deadline: realtime.then_some(end),
             held_up: None,
         };
-        let mut looked_ns = self.now_ns();
+        let mut looked_ns = self.roster.now_ns();
         while self.roster.iter().any(|member| member.report.is_none()) {
-            let event = self.events.recv_timeout(self.until_next_look(realtime));
+            let event = self.roster.events.recv_timeout(self.until_next_look(realtime));
             log.drain()?;
             let listeners = self.recording.iter_mut().chain(&mut self.bridge);
             if listeners.map(Listener::has_died).fold(false, |any, died| any | died) {
                 log.remove_dead();
             }
-            let now_ns = self.now_ns();
+            let now_ns = self.roster.now_ns();
             let stalled_ns = now_ns - looked_ns;
             if stalled_ns > STALLED_NS {
                 course.held_up = Some((looked_ns, now_ns));
@@ -141,24 +139,20 @@ impl Supervisor<'_> {
     fn how_it_ended(&mut self) -> Ended {
         let is_missing = |member: &&mut Member| {
             member.report.is_none()
-                && (member.phase() != Phase::GivenUp || member.service() == Service::Plant)
+                && (member.phase() != Phase::GivenUp || member.role == Service::Plant)
         };
         if let Some(member) = self.roster.iter_mut().find(is_missing) {
             let how = member.active().exit(LAST_MOMENT, Exit::Unreported).to_string();
-            return Ended::Broken { service: member.service(), how };
+            return Ended::Broken { service: member.role, how };
         }
         let mut given_up = self.roster.iter().filter(|member| member.phase() == Phase::GivenUp);
         match given_up.next() {
             Some(member) => {
-                let restarts = member.succession().replacements();
-                Ended::GivenUp { service: member.service(), restarts }
+                let restarts = member.succession.replacements();
+                Ended::GivenUp { service: member.role, restarts }
             }
             None => Ended::Orderly,
         }
-    }
-
-    fn now_ns(&self) -> i64 {
-        monotonic_ns() - self.start_ns
     }
 
     fn until_next_look(&self, realtime: bool) -> Duration {
@@ -168,7 +162,7 @@ impl Supervisor<'_> {
             (false, _) => LOCKSTEP_LOOK,
             (true, true) => CLOSE_LOOK,
             (true, false) => {
-                let now_ns = self.now_ns();
+                let now_ns = self.roster.now_ns();
                 let due_ns = self.faults.next_ns(now_ns).map_or(i64::MAX, |next| next - now_ns);
                 LOOK.min(Duration::from_nanos(due_ns.unsigned_abs()))
             }
@@ -179,7 +173,7 @@ impl Supervisor<'_> {
         match event {
             // A standby's report says nothing of the run.
             Event::Message(who, FromService::Report(report)) if self.roster.is_active(who) => {
-                let service = who.service;
+                let service = who.role;
                 if course.ended == Ended::Orderly && self.is_early(service, log, course, now_ns) {
                     let member = self.roster.of(service);
                     member.leaves_early(*report);
@@ -194,25 +188,25 @@ impl Supervisor<'_> {
                 course.ending();
             }
             Event::Message(who, FromService::Ready(granted)) => {
-                self.journal.granted.insert(who.service.name().into(), granted);
-                self.follow(who.service, succession::Event::Ready(who.incarnation), course, now_ns);
+                self.roster.granted.insert(who.role.name().into(), granted);
+                self.follow(who.role, succession::Event::Ready(who.incarnation), course, now_ns);
             }
             Event::Message(who, FromService::TookOver(take_over)) => {
                 self.on_take_over(who, take_over, course, now_ns);
             }
             Event::Message(who, FromService::Failed(how)) => {
-                self.journal.wrote.push((who.service, how.clone()));
+                self.roster.wrote.push((who.role, how.clone()));
                 if self.launch.mode == Mode::Lockstep && course.ended == Ended::Orderly {
-                    match self.roster.culprit(who.service) {
+                    match self.roster.culprit(who.role) {
                         Some(culprit) => {
                             self.roster.kill(culprit, Exit::Hung);
-                            self.break_off(culprit.service, Exit::Hung.to_string(), course);
+                            self.break_off(culprit.role, Exit::Hung.to_string(), course);
                         }
-                        None => self.break_off(who.service, how, course),
+                        None => self.break_off(who.role, how, course),
                     }
                 }
             }
-            Event::Gone(who) if self.roster.of(who.service).report.is_none() => {
+            Event::Gone(who) if self.roster.of(who.role).report.is_none() => {
                 self.on_exit(who, log, course, now_ns);
             }
             Event::Flooded(who) => self.roster.kill(who, Exit::Flooded),
@@ -221,7 +215,7 @@ impl Supervisor<'_> {
                 self.roster.order_all(&ToService::Abort);
                 course.ending();
             }
-            Event::Output(who, line) => self.journal.wrote.push((who.service, line)),
+            Event::Output(who, line) => self.roster.wrote.push((who.role, line)),
             Event::Inject(fault, reply) => {
                 let answer = self.inject(*fault, log, now_ns);
                 // The client may be gone.
@@ -236,7 +230,7 @@ impl Supervisor<'_> {
 
     /// True if `service` cannot have come to the run's end yet.
     fn is_early(&self, service: Service, log: &DriveLog, course: &Course, now_ns: i64) -> bool {
-        let table = &self.group.timetable;
+        let table = &self.roster.group.timetable;
         let last = table.latest_release(service, table.last_step);
         match self.launch.mode {
             // A run that was ordered to stop ends when it does.
@@ -262,19 +256,10 @@ impl Supervisor<'_> {
     fn kill_the_hung(&mut self, now_ns: i64) {
         let timeout = self.launch.scenario.supervision.heartbeat_timeout_ms.nanoseconds();
         let timeout = i64::try_from(timeout).unwrap_or(i64::MAX);
-        for service in self.launch.scenario.services() {
-            // A heartbeat comes with the service's cycle, and at most ten times a second.
-            let period_ns = self.group.timetable.period_ns(service).max(100_000_000);
-            for incarnation in self.roster.of(service).hung(now_ns, timeout + period_ns) {
-                let who = ServiceProcess { service, incarnation };
-                let heard_ns =
-                    self.roster.of(service).attached(incarnation).map(|one| one.heard_ns());
-                self.roster.kill(who, Exit::Hung);
-                if self.roster.is_active(who) {
-                    self.faults.log.detected(service, "hung", incarnation + 1, heard_ns, now_ns);
-                }
-            }
-        }
+        let table = self.roster.group.timetable;
+        // A heartbeat comes with the service's cycle, and at most ten times a second.
+        let limit_ns = |service| timeout + table.period_ns(service).max(100_000_000);
+        self.roster.kill_the_hung(now_ns, limit_ns, &mut self.faults.log);
     }
 }
 
