@@ -7,14 +7,13 @@ use bench::setup::Scheduling;
 use bench::stage::Stage;
 use runtime::scheduling::Priority;
 use runtime::{Figures, FromService, Group, Guest, monotonic_ns};
+use rustix::process::Signal;
 use scenario::supervision::Supervision;
 use std::fmt;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 use supervise::succession::{self, Phase, Step};
-use supervise::{
-    Error, Event, FaultLog, FaultRecord, MachineError, Role, Roster, Unready, follow_signals,
-};
+use supervise::{Error, Event, FaultLog, MachineError, Role, Roster, follow_signals};
 
 /// Time in which all nodes must be ready.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -49,11 +48,6 @@ impl Role for Seat {
 
     fn words(self) -> Vec<String> {
         vec!["node".to_owned(), self.place.to_string()]
-    }
-
-    /// Nodes check epochs alone: the topics are the graph's own.
-    fn enroll(self, _: &str, _: u32, _: u32) -> Result<(), Error> {
-        Ok(())
     }
 
     fn figures(self, group: &Group) -> Figures {
@@ -114,10 +108,8 @@ impl<'a> Launcher<'a> {
 
     /// Waits until all processes are ready, and gives them the common start.
     pub fn begin(&mut self) -> Result<(), Error> {
-        self.roster.wait_until_ready(PATIENCE).map_err(|why| match why {
-            Unready::Interrupted => Error::Interrupted,
-            Unready::Member(node, what) => MachineError(format!("node {node} {what}")).into(),
-        })?;
+        let not_ready = |node, what| MachineError(format!("node {node} {what}")).into();
+        self.roster.wait_until_ready(PATIENCE, not_ready)?;
         self.roster.begin_all(monotonic_ns() + START_DELAY_NS);
         Ok(())
     }
@@ -217,8 +209,8 @@ impl<'a> Launcher<'a> {
                 let process = self.roster.of(seat).process();
                 match fault {
                     Fault::Kill { .. } if begins => process.kill(),
-                    Fault::Stop { .. } if begins => process.stop(),
-                    Fault::Stop { .. } if ends => process.resume(),
+                    Fault::Stop { .. } if begins => process.signal(Signal::STOP),
+                    Fault::Stop { .. } if ends => process.signal(Signal::CONT),
                     _ => {}
                 }
             }
@@ -229,7 +221,7 @@ impl<'a> Launcher<'a> {
                 Fault::Delay { topic, .. } => &format!("delay {topic}"),
             };
             if begins {
-                self.log.records.push(FaultRecord::new(now_ns as f64 / 1e9, kind, seat));
+                self.log.asked(kind, seat, now_ns);
             }
         }
     }

@@ -213,9 +213,19 @@ mod tests {
             topic = \"v2x/spat\"\nat_s = 4\nfor_s = 1\n";
         let scenario = Scenario::parse("x.toml", text).expect("it is right");
         let record = |number: u32, t_s: f64, messages| FaultRecord {
+            t_s,
+            kind: "drop".into(),
+            service: None,
+            topic: None,
+            helper: None,
+            while_starting: false,
             messages: Some(messages),
+            undetected: 0,
+            detected_after_us: None,
+            recovered_after_us: None,
+            recovered_by: None,
             number,
-            ..FaultRecord::new(t_s, "drop", None)
+            awaits: None,
         };
         let faults = [record(0, 1.0, 20), record(1, 3.5, 20), record(2, 4.0, 0)];
         let struck = Struck::of(&scenario, &faults, &steps());

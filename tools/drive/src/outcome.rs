@@ -156,27 +156,6 @@ pub struct FaultRecord<R = Service> {
     pub awaits: Option<u32>,
 }
 
-impl<R> FaultRecord<R> {
-    /// The record of what began at `t_s`, before anything is known of its effect.
-    pub fn new(t_s: f64, kind: &str, service: Option<R>) -> Self {
-        Self {
-            t_s,
-            kind: kind.to_owned(),
-            service,
-            topic: None,
-            helper: None,
-            while_starting: false,
-            messages: None,
-            undetected: 0,
-            detected_after_us: None,
-            recovered_after_us: None,
-            recovered_by: None,
-            number: u32::MAX,
-            awaits: None,
-        }
-    }
-}
-
 /// The process that took the place of one that is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -55,5 +55,4 @@ pub use start::attendant::run as run_janitor;
 pub use start::of_service;
 pub use start::processes::{Janitor, Launch, this_program};
 pub use supervisor::launch;
-pub use supervisor::readiness::Unready;
 pub use supervisor::roster::Roster;

@@ -20,6 +20,11 @@ impl<R> Default for FaultLog<R> {
 }
 
 impl<R: Copy + PartialEq> FaultLog<R> {
+    /// Notes a fault of `kind` that was asked for and begins at `now_ns`.
+    pub fn asked(&mut self, kind: &str, service: Option<R>, now_ns: i64) {
+        self.records.push(record(now_ns as f64 / 1e9, kind, service));
+    }
+
     /// True while a service is to recover from a fault.
     pub fn is_recovery_awaited(&self) -> bool {
         self.records
@@ -57,7 +62,7 @@ impl<R: Copy + PartialEq> FaultLog<R> {
         self.records.push(FaultRecord {
             detected_after_us: since_ns.map(|since_ns| (now_ns - since_ns) as f64 / 1e3),
             awaits: Some(awaits),
-            ..FaultRecord::new(t_s, kind, Some(service))
+            ..record(t_s, kind, Some(service))
         });
         self.recovered_before(service, awaits);
     }
@@ -122,7 +127,7 @@ impl FaultLog {
         let target = fault.effect.target();
         let service = if let Target::Service(service) = target { Some(service) } else { None };
         let name = fault.effect.kind().name();
-        let mut record = FaultRecord::new(t_s, name, service);
+        let mut record = record(t_s, name, service);
         match target {
             Target::Topic(topic) => record.topic = Some(topic.name()),
             Target::Helper(helper) => record.helper = Some(helper),
@@ -147,6 +152,25 @@ impl FaultLog {
         // A fault that never began does not belong to the run.
         self.records.retain(|record| record.t_s.is_finite());
         self.records.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+    }
+}
+
+/// The record of what began at `t_s`, before anything is known of its effect.
+fn record<R>(t_s: f64, kind: &str, service: Option<R>) -> FaultRecord<R> {
+    FaultRecord {
+        t_s,
+        kind: kind.to_owned(),
+        service,
+        topic: None,
+        helper: None,
+        while_starting: false,
+        messages: None,
+        undetected: 0,
+        detected_after_us: None,
+        recovered_after_us: None,
+        recovered_by: None,
+        number: u32::MAX,
+        awaits: None,
     }
 }
 

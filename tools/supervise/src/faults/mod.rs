@@ -97,11 +97,7 @@ impl Faults {
                 let process_fault = process_fault.clone();
                 let left = match process_fault {
                     ProcessFault::RestartStorm { times, .. } => times.value(),
-                    ProcessFault::Kill { .. }
-                    | ProcessFault::Stop { .. }
-                    | ProcessFault::KillHelper { .. }
-                    | ProcessFault::Hog { .. }
-                    | ProcessFault::Memory { .. } => 1,
+                    _ => 1,
                 };
                 self.planned.push(Planned {
                     number,

@@ -117,23 +117,13 @@ impl Process {
         self.signal(Signal::KILL);
     }
 
-    /// Stops it until [`Self::go_on`].
-    pub fn stop(&mut self) {
-        self.signal(Signal::STOP);
-    }
-
-    /// Lets it go on.
-    pub fn resume(&mut self) {
-        self.signal(Signal::CONT);
-    }
-
     /// Makes it look for a peer that has joined the group.
     pub fn tell_of_peer(&mut self) {
         const _: () = assert!(PEER_JOINED == Signal::URG.as_raw());
         self.signal(Signal::URG);
     }
 
-    fn signal(&mut self, signal: Signal) {
+    pub fn signal(&mut self, signal: Signal) {
         // Not waited for yet: the id cannot be another's.
         if self.poll().is_none()
             && let Some(pid) = Pid::from_raw(self.pid())

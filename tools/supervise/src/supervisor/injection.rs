@@ -48,9 +48,9 @@ impl Supervisor<'_> {
                 Act::KillHelper(Helper::Launcher) => {
                     let _ = rustix::process::kill_process(rustix::process::getpid(), Signal::KILL);
                 }
-                Act::Stop(service) => self.roster.of(service).process().stop(),
+                Act::Stop(service) => self.roster.of(service).process().signal(Signal::STOP),
                 Act::Continue(service) => {
-                    self.roster.of(service).process().resume();
+                    self.roster.of(service).process().signal(Signal::CONT);
                     continue;
                 }
                 Act::Hog(core) => {

@@ -1,7 +1,7 @@
 //! From the first spawn to the last wipe.
 
 mod injection;
-pub mod readiness;
+mod readiness;
 mod replacement;
 pub mod roster;
 mod watch;

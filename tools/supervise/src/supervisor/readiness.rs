@@ -15,17 +15,14 @@ use std::time::{Duration, Instant};
 /// Time within which a signal is an event, once it has interrupted a call.
 const SIGNAL_GRACE: Duration = Duration::from_millis(100);
 
-/// Reason why a group does not begin.
-#[derive(Debug)]
-pub enum Unready<R> {
-    Interrupted,
-    /// A member is not ready, with the reason in words.
-    Member(R, String),
-}
-
 impl<R: Role> Roster<'_, R> {
-    /// Waits until the first processes of all members are ready, for `patience` at most.
-    pub fn wait_until_ready(&mut self, patience: Duration) -> Result<(), Unready<R>> {
+    /// Waits until the first processes of all members are ready, for `patience` at most. `not_ready` makes the error of
+    /// a member that is not, from the reason in words.
+    pub fn wait_until_ready(
+        &mut self,
+        patience: Duration,
+        not_ready: impl Fn(R, String) -> Error,
+    ) -> Result<(), Error> {
         let spawned = Instant::now();
         let mut waiting: Vec<Who<R>> = self.iter().flat_map(Member::all).collect();
         while let Some(first) = waiting.first().map(|who| who.role) {
@@ -33,7 +30,7 @@ impl<R: Role> Roster<'_, R> {
             if left.is_zero() {
                 let seconds = patience.as_secs_f64();
                 let why = format!("was not ready within {seconds} s");
-                return Err(Unready::Member(first, why));
+                return Err(not_ready(first, why));
             }
             match self.events.recv_timeout(left) {
                 Ok(Event::Message(who, FromService::Ready(granted))) => {
@@ -41,11 +38,11 @@ impl<R: Role> Roster<'_, R> {
                     self.granted.insert(who.role.to_string(), granted);
                 }
                 Ok(Event::Message(who, FromService::Failed(reason))) => {
-                    return Err(Unready::Member(who.role, format!("failed: {reason}")));
+                    return Err(not_ready(who.role, format!("failed: {reason}")));
                 }
                 Ok(Event::Flooded(who)) => {
                     let what = "wrote endless text instead of messages: it is not a service";
-                    return Err(Unready::Member(who.role, what.into()));
+                    return Err(not_ready(who.role, what.into()));
                 }
                 Ok(Event::Gone(Who { role, incarnation })) => {
                     let process = self.of(role).attached(incarnation);
@@ -56,9 +53,9 @@ impl<R: Role> Roster<'_, R> {
                         other => other.to_string(),
                     };
                     let what = format!("ended before it was ready ({how})");
-                    return Err(Unready::Member(role, what + &self.last_lines(role)));
+                    return Err(not_ready(role, what + &self.last_lines(role)));
                 }
-                Ok(Event::Signal) => return Err(Unready::Interrupted),
+                Ok(Event::Signal) => return Err(Error::Interrupted),
                 Ok(Event::Output(who, line)) => self.wrote.push((who.role, line)),
                 Ok(Event::Inject(_, reply)) => {
                     let message = "the run has not begun".into();
@@ -93,9 +90,14 @@ impl<R: Role> Roster<'_, R> {
 impl Supervisor<'_> {
     pub(super) fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
         let patience = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
-        self.roster.wait_until_ready(patience).map_err(|why| match why {
-            Unready::Interrupted => Error::Interrupted,
-            Unready::Member(service, what) => self.not_ready(service, what),
+        let programs = &self.programs;
+        self.roster.wait_until_ready(patience, |service, what| {
+            let foreign = programs.contains_key(&service);
+            let hint = match foreign && service == Service::Controller {
+                true => " (a law's program is not a service: give it with --law NAME=COMMAND)",
+                false => "",
+            };
+            Error::NotReady { service, what: what + hint, foreign }
         })
     }
 
@@ -111,15 +113,5 @@ impl Supervisor<'_> {
             }
         }
         error
-    }
-
-    fn not_ready(&self, service: Service, what: String) -> Error {
-        let foreign = self.programs.contains_key(&service);
-        let hint = match foreign && service == Service::Controller {
-            true => " (a law's program is not a service: give it with --law NAME=COMMAND)",
-            false => "",
-        };
-        let what = what + hint;
-        Error::NotReady { service, what, foreign }
     }
 }
