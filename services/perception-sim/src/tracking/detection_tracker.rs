@@ -351,7 +351,7 @@ impl DetectionTracker {
             across.drives = ground_mps > self.model.numbers().standing_mps;
             if let Some(belief) = self.ahead.belief() {
                 let sigma_m = track.across.position_sigma_m();
-                let in_way = belief.in_way_at(track.place(), sigma_m, track.width_m);
+                let in_way = belief.in_way_at(track.place(), sigma_m, track.width_m, track.moved);
                 // A vehicle that follows the road crosses a course whose heading is off.
                 let crossing_mps = ground_mps * belief.heading_sigma_rad(estimate.gap_m);
                 across = across.on_course(in_way, crossing_mps);

@@ -9,7 +9,6 @@ pub mod abreast;
 pub mod association;
 pub mod belief;
 pub mod birth;
-pub mod circle;
 pub mod course;
 pub mod detection_tracker;
 pub mod ego_speed;

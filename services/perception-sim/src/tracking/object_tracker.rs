@@ -220,7 +220,10 @@ impl ObjectTracker {
             lateral_m: known.across.position_m(),
             speed_mps: known.across.speed_mps(),
             speed_sigma_mps: known.across.speed_sigma_mps(),
-            in_way: self.ahead.belief().map(|belief| belief.in_way_at(place, sigma_m, width_m)),
+            in_way: self
+                .ahead
+                .belief()
+                .map(|belief| belief.in_way_at(place, sigma_m, width_m, true)),
             drives: true,
             approach: Approach {
                 gap_m: known.along.estimate().gap_m,

@@ -1,7 +1,6 @@
 //! The road ahead by a scan: the slip angle, and the course.
 //!
-//! By the yaw rate alone the course is a circle ([`super::circle`]). With any source that looks ahead it is the mean of a
-//! belief ([`super::belief`]).
+//! The course is the mean of a belief ([`super::belief`]). Without any source it is straight.
 
 use messages::{Detection, MAX_DETECTIONS};
 
@@ -9,7 +8,6 @@ use super::association::{Point, Reading};
 use super::belief::Belief;
 use super::belief::landmarks::Echo;
 use super::birth;
-use super::circle::Circle;
 use super::course::Course;
 use super::motion::Motion;
 use super::numbers::Numbers;
@@ -54,7 +52,8 @@ impl Radar {
 /// The road ahead.
 #[derive(Clone, Debug)]
 pub struct RoadAhead {
-    way: Way,
+    /// `None` without any source: straight on.
+    belief: Option<Box<Belief>>,
     slip: Slip,
     /// Standing objects: cosine and sine of the azimuth, and range rate, m/s.
     rates: Vec<(f64, f64, f64)>,
@@ -62,25 +61,12 @@ pub struct RoadAhead {
     echoes: Vec<Echo>,
 }
 
-/// Idea of the road ahead.
-#[derive(Clone, Debug)]
-enum Way {
-    Straight,
-    Circle(Circle),
-    Belief(Box<Belief>),
-}
-
 impl RoadAhead {
     /// Straight on, before the first scan.
     #[must_use]
     pub fn new(sources: Sources) -> Self {
-        let way = match sources.any() {
-            false => Way::Straight,
-            true if sources.looks_ahead() => Way::Belief(Box::new(Belief::new(sources))),
-            true => Way::Circle(Circle::default()),
-        };
         Self {
-            way,
+            belief: sources.any().then(|| Box::new(Belief::new(sources))),
             slip: Slip::default(),
             rates: Vec::with_capacity(MAX_DETECTIONS),
             echoes: Vec::with_capacity(MAX_DETECTIONS),
@@ -125,7 +111,7 @@ impl RoadAhead {
         }
         self.slip.take_scan(dt_s, motion.speed_mps, &self.rates);
         let motion = Motion { slip_rad: self.slip.slip_rad(), ..*motion };
-        self.take(dt_s, &motion, map);
+        self.take(&motion, map);
         before
     }
 
@@ -133,59 +119,46 @@ impl RoadAhead {
     pub fn find_blind(&mut self, dt_s: f64, motion: &Motion, map: Option<&MapAhead>) -> Course {
         self.advance(dt_s, motion);
         let before = *self.course();
-        self.take(dt_s, motion, map);
+        self.take(motion, map);
         before
     }
 
     fn advance(&mut self, dt_s: f64, motion: &Motion) {
-        if let Way::Belief(belief) = &mut self.way {
+        if let Some(belief) = &mut self.belief {
             belief.advance(dt_s, motion);
         }
     }
 
-    fn take(&mut self, dt_s: f64, motion: &Motion, map: Option<&MapAhead>) {
-        match &mut self.way {
-            Way::Straight => {}
-            Way::Circle(circle) => circle.take(dt_s, motion),
-            Way::Belief(belief) => belief.take(motion, map, &self.echoes),
+    fn take(&mut self, motion: &Motion, map: Option<&MapAhead>) {
+        if let Some(belief) = &mut self.belief {
+            belief.take(motion, map, &self.echoes);
         }
     }
 
     /// A vehicle is at a place of the course, and moves across it with this speed.
     pub fn leave_trail(&mut self, id: u32, (sigma_m, d_m): (f64, f64), lateral_mps: f64) {
-        if let Way::Belief(belief) = &mut self.way {
+        if let Some(belief) = &mut self.belief {
             let point_m = belief.course().place(sigma_m, d_m);
             belief.leave_trail(id, point_m, lateral_mps);
         }
     }
 
-    /// The belief; `None` of a straight path and a circle.
+    /// The belief; `None` of a straight path.
     #[must_use]
     pub fn belief(&self) -> Option<&Belief> {
-        match &self.way {
-            Way::Belief(belief) => Some(belief),
-            Way::Straight | Way::Circle(_) => None,
-        }
+        self.belief.as_deref()
     }
 
     /// The course.
     #[must_use]
     pub fn course(&self) -> &Course {
-        match &self.way {
-            Way::Straight => &Course::STRAIGHT,
-            Way::Circle(circle) => circle.course(),
-            Way::Belief(belief) => belief.course(),
-        }
+        self.belief().map_or(&Course::STRAIGHT, Belief::course)
     }
 
     /// Standard deviation of the course's place across the road at an arc length, m; 0 of the straight path.
     #[must_use]
     pub fn sigma_m(&self, sigma_m: f64) -> f64 {
-        match &self.way {
-            Way::Straight => 0.0,
-            Way::Circle(_) => Circle::sigma_m(sigma_m),
-            Way::Belief(belief) => belief.sigma_m(sigma_m),
-        }
+        self.belief().map_or(0.0, |belief| belief.sigma_m(sigma_m))
     }
 
     /// What stands at a place of the course is beside the ego's way.
@@ -194,7 +167,8 @@ impl RoadAhead {
         let off_m = place.1.abs() - numbers.standing_half_width_m;
         let Some(belief) = self.belief() else { return off_m > 0.0 };
         off_m > 3.0 * belief.sigma_m(place.0)
-            || off_m > 0.0 && belief.in_way_at(place, sigma_m, numbers.first_width_m) < UNLIKELY
+            || off_m > 0.0
+                && belief.in_way_at(place, sigma_m, numbers.first_width_m, false) < UNLIKELY
     }
 
     /// Heading, rad, curvature, 1/m, and its rate, 1/m², of a clothoid. It begins as the course does, and is at the
@@ -232,7 +206,7 @@ mod tests {
         assert_eq!(ahead.sigma_m(50.0), belief.sigma_m(50.0));
         assert!(ahead.sigma_m(10.0) > 0.05 && ahead.sigma_m(100.0) > 2.0 * ahead.sigma_m(10.0));
         let point_m = ahead.course().place(50.0, 1.0);
-        assert_eq!(belief.in_way_at((50.0, 1.0), 0.2, 1.8), belief.in_way(point_m, 0.2, 1.8));
+        assert_eq!(belief.in_way_at((50.0, 1.0), 0.2, 1.8, true), belief.in_way(point_m, 0.2, 1.8));
         assert!(ahead.clothoid()[1] > 1e-4, "a curve to the left");
     }
 

@@ -19,12 +19,6 @@ impl Sources {
     pub fn any(&self) -> bool {
         self.yaw_rate || self.standing || self.trails || self.map
     }
-
-    /// One of them shows the road ahead of the ego. The yaw rate alone makes a circle.
-    #[must_use]
-    pub fn looks_ahead(&self) -> bool {
-        self.standing || self.trails || self.map
-    }
 }
 
 /// Curvatures of the map ahead.
@@ -48,25 +42,5 @@ impl MapAhead<'_> {
         let cell = |index: usize| self.curvatures_perm.get(index).copied();
         let low = cell(below as usize)?;
         Some(low + share * (cell(below as usize + 1).unwrap_or(low) - low))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_source_is_one_and_all_but_the_yaw_rate_look_ahead() {
-        let none = Sources::default();
-        assert!(!none.any() && !none.looks_ahead());
-        let yaw_rate = Sources { yaw_rate: true, ..none };
-        assert!(yaw_rate.any() && !yaw_rate.looks_ahead());
-        for source in [
-            Sources { standing: true, ..none },
-            Sources { trails: true, ..none },
-            Sources { map: true, ..none },
-        ] {
-            assert!(source.any() && source.looks_ahead(), "{source:?}");
-        }
     }
 }

@@ -88,31 +88,14 @@ impl Landmarks {
     /// Takes the standing echoes of a scan.
     pub fn take(&mut self, ego: &Frame, echoes: &[Echo]) {
         self.forget(ego);
-        let (sine, cosine) = sincos(ego.heading_rad);
         let (mut turn, mut information) = (0.0, 0.0);
         for echo in echoes {
             let place_m = ego.placed((echo.x_m, echo.y_m));
             let range_m = libm::hypot(echo.x_m, echo.y_m).max(1.0);
             let sigma_m = echo.sigma_m + PLACE_M;
             let weight = 1.0 / (sigma_m * sigma_m);
-            let sight = (
-                (echo.x_m * cosine - echo.y_m * sine) / range_m,
-                (echo.x_m * sine + echo.y_m * cosine) / range_m,
-            );
-            let reach_m = 3.0 * sigma_m + 0.5;
-            let off = |landmark: &Landmark| {
-                let (dx, dy) = (place_m.0 - landmark.place_m.0, place_m.1 - landmark.place_m.1);
-                (dx * sight.0 + dy * sight.1, dy * sight.0 - dx * sight.1)
-            };
-            let mut nearest = (1.0, None);
-            for (index, landmark) in self.list.iter().enumerate() {
-                let (along_m, across_m) = off(landmark);
-                let far = (along_m.abs() / ALONG_M).max(across_m.abs() / reach_m);
-                if far < nearest.0 {
-                    nearest = (far, Some(index));
-                }
-            }
-            let Some(index) = nearest.1 else {
+            let Some((index, across_m)) = self.nearest(ego, (echo.x_m, echo.y_m), echo.sigma_m)
+            else {
                 self.begin(Landmark {
                     place_m,
                     weight,
@@ -126,7 +109,6 @@ impl Landmarks {
             };
             let landmark = &mut self.list[index];
             if landmark.count >= SETTLED {
-                let (_, across_m) = off(landmark);
                 let variance = (1.0 / weight + 1.0 / landmark.weight) / (range_m * range_m);
                 turn += across_m / range_m / variance;
                 information += 1.0 / variance;
@@ -147,6 +129,28 @@ impl Landmarks {
             let offset_radps = self.offset_radps + OFFSET_GAIN * turn / information;
             self.offset_radps = offset_radps.clamp(-MOST_OFFSET_RADPS, MOST_OFFSET_RADPS);
         }
+    }
+
+    /// The landmark nearest to a point of the body's axes, and its distance across the line of sight, m.
+    fn nearest(&self, ego: &Frame, point_m: (f64, f64), sigma_m: f64) -> Option<(usize, f64)> {
+        let place_m = ego.placed(point_m);
+        let (sine, cosine) = sincos(ego.heading_rad);
+        let range_m = libm::hypot(point_m.0, point_m.1).max(1.0);
+        let sight = (
+            (point_m.0 * cosine - point_m.1 * sine) / range_m,
+            (point_m.0 * sine + point_m.1 * cosine) / range_m,
+        );
+        let reach_m = 3.0 * (sigma_m + PLACE_M) + 0.5;
+        let (mut least, mut nearest) = (1.0, None);
+        for (index, landmark) in self.list.iter().enumerate() {
+            let (dx, dy) = (place_m.0 - landmark.place_m.0, place_m.1 - landmark.place_m.1);
+            let (along_m, across_m) = (dx * sight.0 + dy * sight.1, dy * sight.0 - dx * sight.1);
+            let far = (along_m.abs() / ALONG_M).max(across_m.abs() / reach_m);
+            if far < least {
+                (least, nearest) = (far, Some((index, across_m)));
+            }
+        }
+        nearest
     }
 
     /// Drops what is behind, and single echoes that do not come again.

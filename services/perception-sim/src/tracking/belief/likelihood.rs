@@ -28,10 +28,12 @@ const ANGLE_RAD: f64 = 0.012;
 const STEERING_MPS2: f64 = 0.2;
 /// Error of the curvature by the yaw rate at any speed, 1/m.
 const OWN_PERM: f64 = 2e-4;
-/// Half of a vehicle's width, m: its echoes come from anywhere across it. The standard deviation of its place in its
-/// lane, with that of the lane's width.
-const HALF_WIDTH_M: f64 = 0.9;
+/// Half of the widest vehicle, m: echoes come from anywhere across it, and from its side alone where others hide it. The
+/// standard deviation of its place in its lane, with that of the lane's width.
+const HALF_WIDTH_M: f64 = 1.25;
 const VEHICLE_M: f64 = 0.4;
+/// Length of a body, m: a car's.
+const BODY_M: f64 = 4.5;
 /// Standard deviation of the difference between two places of a trail, m: the wander of both, and dead reckoning.
 const TRAIL_M: f64 = 0.35;
 /// Error of a curvature of the map, 1/m: the mean of a cell, at a place known to some metres.
@@ -58,7 +60,8 @@ const LEAST: f64 = -8.0;
 /// A landmark in the frame of the evidence.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mark {
-    at_m: (f64, f64),
+    /// Place, m.
+    pub at_m: (f64, f64),
     /// 1 / standard deviation as a post and as a vehicle, 1/m.
     sharp_perm: f64,
     blunt_perm: f64,
@@ -86,6 +89,39 @@ impl Mark {
     }
 }
 
+impl Mark {
+    fn from_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
+        libm::hypot(self.at_m.0 - x_m, self.at_m.1 - y_m)
+    }
+
+    /// Density of anything but a vehicle in a lane, at a distance to the left of the lane's middle, m.
+    fn other(&self, d_m: f64, hypothesis: &Hypothesis) -> f64 {
+        let [left_m, right_m] = hypothesis.edges_m;
+        let strip_of = |from_m: f64| strip(from_m * self.sharp_perm, STRIP_M * self.sharp_perm);
+        1.0 + self.post * (strip_of(d_m - left_m) + strip_of(-d_m - right_m))
+    }
+
+    /// Densities of a vehicle in the right lane, the own one and the left one.
+    fn lanes(&self, d_m: f64) -> [f64; 3] {
+        [-LANE_M, 0.0, LANE_M].map(|lane_m| {
+            let from_m = d_m - lane_m + HALF_WIDTH_M;
+            self.vehicle * strip(from_m * self.blunt_perm, 2.0 * HALF_WIDTH_M * self.blunt_perm)
+        })
+    }
+
+    /// Probability that it is in the own lane, or that it is anything, which is in the way with `in_way`. `lanes` are
+    /// those by an evidence that contains it.
+    #[must_use]
+    pub fn in_lane(&self, d_m: f64, hypothesis: &Hypothesis, lanes: &Lanes, in_way: f64) -> f64 {
+        let (other, [a, b, c]) = (self.other(d_m, hypothesis), self.lanes(d_m));
+        let own = in_lanes([0.0, b, 0.0]);
+        let all = in_lanes([a, b, c]);
+        (lanes.iter().zip(own).zip(all))
+            .map(|((lane, own), all)| lane * (in_way + own) / (other + all))
+            .sum()
+    }
+}
+
 /// Places of the ego's own way.
 pub const WAY: usize = 4;
 
@@ -109,9 +145,30 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// Keeps one landmark of each body: the rearmost. All of them show the same place across the road.
+    pub fn count_bodies_once(&mut self) {
+        self.marks.sort_unstable_by(|a, b| a.at_m.0.total_cmp(&b.at_m.0));
+        let mut kept = 0;
+        for index in 0..self.marks.len() {
+            let at_m = self.marks[index].at_m;
+            if self.marks[..kept].iter().all(|mark| mark.from_m(at_m) >= BODY_M) {
+                self.marks[kept] = self.marks[index];
+                kept += 1;
+            }
+        }
+        self.marks.truncate(kept);
+    }
+
+    /// The landmark of the body at a point.
+    pub fn body(&self, at_m: (f64, f64)) -> Option<&Mark> {
+        let near = self.marks.iter().filter(|mark| mark.from_m(at_m) < BODY_M);
+        near.min_by(|a, b| a.from_m(at_m).total_cmp(&b.from_m(at_m)))
+    }
+
     /// Logarithm of the likelihood of a hypothesis, with the prior of the ego's place in its lane.
+    /// The second result has the probabilities of the lanes with a queue.
     #[must_use]
-    pub fn log_likelihood(&self, hypothesis: &Hypothesis, line: &Line) -> f64 {
+    pub fn log_likelihood(&self, hypothesis: &Hypothesis, line: &Line) -> (f64, Lanes) {
         let normal = |off: f64| (-0.5 * off * off).max(LEAST);
         let mut sum = -0.5 * square(hypothesis.offset_m / SWAY_M);
         sum += normal((hypothesis.heading_rad - self.slip_rad) / ANGLE_RAD);
@@ -132,45 +189,44 @@ impl Evidence {
                 sum += normal(off_perm / (MAP_PERM + 0.1 * perm.abs()));
             }
         }
-        sum + self.log_marks(hypothesis, line)
+        let (marks, lanes) = self.log_marks(hypothesis, line);
+        (sum + marks, lanes)
     }
 
-    /// The part of the landmarks.
-    fn log_marks(&self, hypothesis: &Hypothesis, line: &Line) -> f64 {
-        let [left_m, right_m] = hypothesis.edges_m;
+    /// The part of the landmarks, and the probabilities of the lanes with a queue.
+    fn log_marks(&self, hypothesis: &Hypothesis, line: &Line) -> (f64, Lanes) {
         // Products over the landmarks: beside any lane, and by the case of the queues. Each factor is from 1 to some
         // 1,000, so that 64 of them do not overflow.
-        let (mut beside, mut cases) = (1.0, [1.0; 7]);
+        let (mut beside, mut cases) = (1.0, LANES_PRIOR);
         for mark in &self.marks {
             let d_m = line.across_m(mark.at_m);
-            let strips = strip((d_m - left_m) * mark.sharp_perm, STRIP_M * mark.sharp_perm)
-                + strip((-d_m - right_m) * mark.sharp_perm, STRIP_M * mark.sharp_perm);
-            let post = 1.0 + mark.post * strips;
-            if d_m.abs() > LANE_M + HALF_WIDTH_M + 2.0 / mark.blunt_perm {
-                beside *= post;
-                continue;
-            }
-            let lane = |lane: f64| {
-                let from_m = d_m - lane * LANE_M + HALF_WIDTH_M;
-                let width = 2.0 * HALF_WIDTH_M * mark.blunt_perm;
-                mark.vehicle * strip(from_m * mark.blunt_perm, width)
-            };
-            let (a, b, c) = (lane(-1.0), lane(0.0), lane(1.0));
-            let densities =
-                [a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (a + c), (a + b + c) * (1.0 / 3.0)];
-            for (case, density) in cases.iter_mut().zip(densities) {
-                *case *= post + density;
+            let other = mark.other(d_m, hypothesis);
+            match d_m.abs() > LANE_M + HALF_WIDTH_M + 2.0 / mark.blunt_perm {
+                true => beside *= other,
+                false => {
+                    let densities = in_lanes(mark.lanes(d_m));
+                    cases.iter_mut().zip(densities).for_each(|(case, lane)| *case *= other + lane);
+                }
             }
         }
-        let [a, b, c, rest @ ..] = cases;
-        let sum = ONE_LANE * (a + b + c) + MORE_LANES * rest.iter().sum::<f64>();
-        libm::log(beside) + libm::log(sum)
+        let sum: f64 = cases.iter().sum();
+        (libm::log(beside) + libm::log(sum), cases.map(|case| case / sum))
     }
 }
 
-/// Prior probability that queues stand in one certain lane, and in one certain set of more lanes.
+/// Probabilities of the lanes with a queue: right, own, left, right and own, own and left, right and left, all.
+pub type Lanes = [f64; 7];
+/// One certain lane before any evidence, and one certain set of more lanes.
 const ONE_LANE: f64 = 0.28;
 const MORE_LANES: f64 = 0.04;
+/// See [`Lanes`].
+pub const LANES_PRIOR: Lanes =
+    [ONE_LANE, ONE_LANE, ONE_LANE, MORE_LANES, MORE_LANES, MORE_LANES, MORE_LANES];
+
+/// Densities of a vehicle by the lanes with a queue, from those by its own lane. It is in each of them alike.
+fn in_lanes([a, b, c]: [f64; 3]) -> Lanes {
+    [a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (a + c), (a + b + c) * (1.0 / 3.0)]
+}
 
 /// Bounds of a hypothesis: lengths of clothoid and arc, m, radius, m, and distance of the strips, m.
 pub const RAMP_M: (f64, f64) = (0.5, 200.0);
@@ -267,7 +323,7 @@ mod tests {
 
     fn density(evidence: &Evidence, hypothesis: &Hypothesis) -> f64 {
         log_prior(hypothesis, evidence.speed_mps)
-            + evidence.log_likelihood(hypothesis, &Line::of(hypothesis))
+            + evidence.log_likelihood(hypothesis, &Line::of(hypothesis)).0
     }
 
     fn evidence() -> Evidence {
@@ -304,6 +360,35 @@ mod tests {
         assert!(of([0.2, -0.2, 0.1]) > of([1.75; 3]) + 2.0, "not between two lanes");
         assert!(of([3.5; 3]) > of([3.5, 0.0, -3.5]) + 1.0, "a row is simpler");
         assert!((of([3.5; 3]) - of([0.0; 3])).abs() < 0.1, "each lane is as probable");
+    }
+
+    #[test]
+    fn a_body_counts_once_and_its_rear_is_kept() {
+        let mut evidence = evidence();
+        // A car with its wheelhouses, and the next one 7 m behind its rear.
+        for place in [(47.0, 3.4), (43.6, 2.6), (40.0, 3.4), (40.8, 2.6), (50.6, 2.6)] {
+            evidence.marks.push(Mark::new(place, 0.3, 8.0, 0.1));
+        }
+        evidence.count_bodies_once();
+        let kept: Vec<_> = evidence.marks.iter().map(|mark| mark.at_m).collect();
+        assert_eq!(kept, [(40.0, 3.4), (47.0, 3.4)]);
+    }
+
+    #[test]
+    fn a_vehicle_between_two_lanes_is_in_that_of_its_queue() {
+        let in_lane = |d_m: f64, queue_d_m: Option<f64>| {
+            let mut evidence = evidence();
+            let queue = |k: u32| at(40.0 + 8.0 * f64::from(k), queue_d_m.unwrap_or(0.0));
+            let marks = (0..4).map(|k| Mark::new(queue(k), 0.3, 8.0, 0.1));
+            evidence.marks.extend(marks.filter(|_| queue_d_m.is_some()));
+            evidence.marks.push(Mark::new(at(80.0, d_m), 0.5, 8.0, 0.1));
+            let (_, lanes) = evidence.log_likelihood(&road(), &Line::of(&road()));
+            let body = evidence.body(at(81.0, d_m)).expect("it is there");
+            body.in_lane(d_m, &road(), &lanes, 0.0)
+        };
+        assert!(in_lane(0.8, None) > 0.95, "a vehicle");
+        assert!(in_lane(1.6, Some(3.5)) < 0.1, "the side of one in the queue");
+        assert!(in_lane(1.6, Some(0.0)) > 0.9, "in the own lane");
     }
 
     #[test]

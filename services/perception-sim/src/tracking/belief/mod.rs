@@ -26,7 +26,7 @@ use super::sources::{MapAhead, Sources};
 use super::trail::{TRAILS, Trails};
 use crate::random::Random;
 use landmarks::{Echo, Landmarks};
-use likelihood::{Evidence, MAP_APART_M, MAP_PLACES, Mark, WAY, log_prior};
+use likelihood::{Evidence, LANES_PRIOR, Lanes, MAP_APART_M, MAP_PLACES, Mark, WAY, log_prior};
 use moves::Step;
 use outlook::Mean;
 use road::{FIRST_M, Hypothesis, Line};
@@ -72,17 +72,18 @@ struct Particle {
     line: Line,
     log_prior: f64,
     log_likelihood: f64,
+    lanes: Lanes,
 }
 
 impl Particle {
     fn new(hypothesis: Hypothesis, evidence: &Evidence) -> Self {
         let line = Line::of(&hypothesis);
         let log_prior = log_prior(&hypothesis, evidence.speed_mps);
-        let log_likelihood = match log_prior.is_finite() {
+        let (log_likelihood, lanes) = match log_prior.is_finite() {
             true => evidence.log_likelihood(&hypothesis, &line),
-            false => f64::NEG_INFINITY,
+            false => (f64::NEG_INFINITY, LANES_PRIOR),
         };
-        Self { hypothesis, line, log_prior, log_likelihood }
+        Self { hypothesis, line, log_prior, log_likelihood, lanes }
     }
 
     /// The hypothesis from another frame, at a point of this one's axes and turned by an angle. A curve that lies
@@ -228,15 +229,16 @@ impl Belief {
         evidence.pairs.clear();
         (evidence.speed_mps, evidence.slip_rad) = (motion.speed_mps, motion.slip_rad);
         for landmark in self.landmarks.list().iter().filter(|landmark| landmark.count >= 2.0) {
-            let turn_m = TURN_RAD * landmark.nearest_m;
-            let sigma_m = (1.0 / landmark.weight + turn_m * turn_m + PLACE_M * PLACE_M).sqrt();
-            let area_m2 = landmark.area_m2 / landmark.count;
             let at_m = ego.seen(landmark.place_m);
-            if at_m.0 < -BEHIND_M {
-                continue;
+            if at_m.0 >= -BEHIND_M {
+                let turn_m = TURN_RAD * landmark.nearest_m;
+                let variance_m2 = 1.0 / landmark.weight + turn_m * turn_m + PLACE_M * PLACE_M;
+                let area_m2 = landmark.area_m2 / landmark.count;
+                let mark = Mark::new(at_m, variance_m2.sqrt(), area_m2, landmark.least_m2);
+                evidence.marks.push(mark);
             }
-            evidence.marks.push(Mark::new(at_m, sigma_m, area_m2, landmark.least_m2));
         }
+        evidence.count_bodies_once();
         if self.sources.yaw_rate {
             evidence.way.extend(self.way.iter().map(|place| ego.seen(*place)));
         }

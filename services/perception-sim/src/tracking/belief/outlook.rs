@@ -96,10 +96,32 @@ impl Belief {
         self.particles.iter().map(among).sum::<f64>() / COUNT as f64
     }
 
-    /// The same of an object at a place of the course: its arc length and the distance to the left, m.
+    /// The same of an object that has always stood. A post is never in the way, and a vehicle stands in a lane, near
+    /// the others of its queue. The cross section distinguishes the two.
     #[must_use]
-    pub fn in_way_at(&self, (gap_m, d_m): (f64, f64), sigma_m: f64, width_m: f64) -> f64 {
-        self.in_way(self.course.place(gap_m, d_m), sigma_m, width_m)
+    pub fn in_way_standing(&self, point_m: (f64, f64), sigma_m: f64, width_m: f64) -> f64 {
+        let there_m = self.next_frame.seen(self.ego.placed(point_m));
+        let Some(mark) = self.evidence.body(there_m) else {
+            return self.in_way(point_m, sigma_m, width_m);
+        };
+        let at_m = self.frame.seen(self.next_frame.placed(mark.at_m));
+        let half_m = HALF_WIDTH_M + 0.5 * width_m;
+        let among = |particle: &Particle| {
+            let d_m = particle.line.across_m(at_m);
+            let in_way = likelihood::strip((d_m + half_m) / SWAY_M, 2.0 * half_m / SWAY_M);
+            mark.in_lane(d_m, &particle.hypothesis, &particle.lanes, in_way)
+        };
+        self.particles.iter().map(among).sum::<f64>() / COUNT as f64
+    }
+
+    /// Probability that a track is in the way, by its place on the course: the arc length and the distance to the left, m.
+    #[must_use]
+    pub fn in_way_at(&self, place: (f64, f64), sigma_m: f64, width_m: f64, has_moved: bool) -> f64 {
+        let point_m = self.course.place(place.0, place.1);
+        match has_moved {
+            true => self.in_way(point_m, sigma_m, width_m),
+            false => self.in_way_standing(point_m, sigma_m, width_m),
+        }
     }
 
     /// Distance of a point of the body's axes to the left of the lane's middle, m, with its standard deviation.
