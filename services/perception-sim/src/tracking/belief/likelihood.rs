@@ -90,7 +90,7 @@ impl Mark {
 }
 
 impl Mark {
-    fn from_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
+    fn away_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
         libm::hypot(self.at_m.0 - x_m, self.at_m.1 - y_m)
     }
 
@@ -151,7 +151,7 @@ impl Evidence {
         let mut kept = 0;
         for index in 0..self.marks.len() {
             let at_m = self.marks[index].at_m;
-            if self.marks[..kept].iter().all(|mark| mark.from_m(at_m) >= BODY_M) {
+            if self.marks[..kept].iter().all(|mark| mark.away_m(at_m) >= BODY_M) {
                 self.marks[kept] = self.marks[index];
                 kept += 1;
             }
@@ -161,8 +161,8 @@ impl Evidence {
 
     /// The landmark of the body at a point.
     pub fn body(&self, at_m: (f64, f64)) -> Option<&Mark> {
-        let near = self.marks.iter().filter(|mark| mark.from_m(at_m) < BODY_M);
-        near.min_by(|a, b| a.from_m(at_m).total_cmp(&b.from_m(at_m)))
+        let near = self.marks.iter().filter(|mark| mark.away_m(at_m) < BODY_M);
+        near.min_by(|a, b| a.away_m(at_m).total_cmp(&b.away_m(at_m)))
     }
 
     /// Logarithm of the likelihood of a hypothesis, with the prior of the ego's place in its lane.
