@@ -66,7 +66,7 @@ impl RoadAhead {
     #[must_use]
     pub fn new(sources: Sources) -> Self {
         Self {
-            belief: sources.any().then(|| Box::new(Belief::new(sources))),
+            belief: (sources != Sources::default()).then(|| Box::new(Belief::new(sources))),
             slip: Slip::default(),
             rates: Vec::with_capacity(MAX_DETECTIONS),
             echoes: Vec::with_capacity(MAX_DETECTIONS),

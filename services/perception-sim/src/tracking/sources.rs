@@ -1,6 +1,6 @@
 //! Sources of the course ([`super::road_ahead`]).
 
-/// Sources of the course that are in use.
+/// Sources of the course that are in use; without any the path is straight ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sources {
     /// Yaw rate and slip angle of the ego.
@@ -11,14 +11,6 @@ pub struct Sources {
     pub trails: bool,
     /// Curvatures of the map.
     pub map: bool,
-}
-
-impl Sources {
-    /// Any is in use; otherwise the path is straight ahead.
-    #[must_use]
-    pub fn any(&self) -> bool {
-        self.yaw_rate || self.standing || self.trails || self.map
-    }
 }
 
 /// Curvatures of the map ahead.
