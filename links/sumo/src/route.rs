@@ -74,17 +74,6 @@ impl Route {
         self.limits.iter().map(|limit| limit.speed_mps).fold(0.0, f64::max)
     }
 
-    /// Speed at a place from which all limits ahead are met with a braking, m/s.
-    pub fn allowed_mps(&self, place_m: f64, braking_mps2: f64, lead_m: f64) -> f64 {
-        let next = self.limits.partition_point(|limit| limit.from_m <= place_m);
-        let here = next.checked_sub(1).map_or(f64::INFINITY, |now| self.limits[now].speed_mps);
-        let ahead = self.limits[next..].iter().map(|limit| {
-            let way_m = (limit.from_m - place_m - lead_m).max(0.0);
-            (limit.speed_mps * limit.speed_mps + 2.0 * braking_mps2 * way_m).sqrt()
-        });
-        ahead.fold(here, f64::min)
-    }
-
     /// Time of a free drive at the limits, s.
     pub fn free_s(&self) -> f64 {
         let length_m: f64 = self.pieces.iter().map(Piece::length_m).sum();

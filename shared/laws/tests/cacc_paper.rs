@@ -8,7 +8,9 @@ use laws::cacc::paper::PaperLaw;
 use scenario::controller::{SpacingPolicy, Weights};
 
 fn law(set: Weights, policy: SpacingPolicy, light: bool) -> PaperLaw {
-    let config = Config { spacing_policy: policy, weights: set, ..Config::default() };
+    let standstill_distance_m = 12.0;
+    let config =
+        Config { spacing_policy: policy, weights: set, standstill_distance_m, ..Config::default() };
     config.check().expect("the test's configuration is valid");
     let solver = config.create_solver();
     PaperLaw::new(&config, light, solver).expect("a validated configuration is convex")

@@ -1,4 +1,4 @@
-//! The speed in curves: a profile of speeds along the road, and a cap on the acceleration.
+//! The speed along the road: a profile for curves and speed limits, and a cap on the acceleration.
 //!
 //! Passengers accept a lateral acceleration a, which falls with the speed. So the speed on a road of curvature κ(s) is
 //! at most v(s). The ego comes down to it with a braking b:
@@ -16,8 +16,9 @@
 //! come down to a set speed late, or cannot be changed. So the request of every law is at most the acceleration that
 //! brings the ego to the profile within a second. This bound moves with a jerk of 2.5 m/s³.
 //!
-//! [`RoadAhead`] is what is known: the map, the course that perception estimates, or the ego's own yaw rate. When a target
-//! was lost in a curve, the profile stays at the present speed for [`HELD_S`].
+//! [`RoadAhead`] is what is known: the map, the course that perception estimates, or the ego's own yaw rate. Beside them
+//! are the speed limits of a route. When a target was lost in a curve, the profile stays at the present speed for
+//! [`HELD_S`].
 //!
 //! Source: ISO 15622 (design values of a, from secondary sources).
 //!
@@ -55,6 +56,8 @@ const HARD_MPS2: f64 = 2.5;
 const HARDEST_MPS2: f64 = 3.5;
 /// Change of the bound on the request, m/s³: the least jerk limit of ISO 15622.
 const BOUND_MPS3: f64 = 2.5;
+/// Caps of a cycle without another allocation: a course, a map, and the limits of 1 km.
+const MOST_CAPS: usize = 350;
 /// Bound that no law reaches, m/s².
 const FREE_MPS2: f64 = 10.0;
 
@@ -82,10 +85,20 @@ struct Held {
     speed_mps: f64,
 }
 
+/// A stretch of the road, m ahead, with the largest speed on it.
+#[derive(Clone, Copy, Debug)]
+struct Cap {
+    from_m: f64,
+    to_m: f64,
+    speed_mps: f64,
+}
+
 /// The profile's keys and memory.
 #[derive(Clone, Debug)]
 pub struct CurveSpeed {
     comfort: Comfort,
+    /// Caps of this cycle.
+    caps: Vec<Cap>,
     /// Least braking before a curve, m/s².
     braking_mps2: f64,
     held: Option<Held>,
@@ -100,6 +113,7 @@ impl CurveSpeed {
     pub fn new(keys: &Keys) -> Self {
         Self {
             comfort: keys.comfort_mps2,
+            caps: Vec::with_capacity(MOST_CAPS),
             braking_mps2: keys.braking_mps2.value(),
             held: None,
             target_m: None,
@@ -112,14 +126,11 @@ impl CurveSpeed {
         let speed_mps = input.ego.speed_mps.max(0.0);
         let free_mps = input.wanted_speed_mps();
         self.see_target(input, road, speed_mps);
-        let (braking_mps2, hardest_mps2) = self.braking(road, speed_mps);
+        self.see_caps(input, road, free_mps);
+        let (braking_mps2, hardest_mps2) = self.braking(speed_mps);
         let mut profile = SpeedProfile::constant(free_mps);
-        road.each(|from_m, to_m, curvature_perm| {
-            let there_mps = comfortable_mps(&self.comfort, curvature_perm);
-            profile.cap(from_m, to_m, there_mps, braking_mps2);
-        });
-        if let Some(held) = self.held.filter(|held| input.time_s < held.until_s) {
-            profile.cap(0.0, f64::INFINITY, held.speed_mps, braking_mps2);
+        for cap in &self.caps {
+            profile.cap(cap.from_m, cap.to_m, cap.speed_mps, braking_mps2);
         }
         profile.brake(braking_mps2);
         let capped_mps = profile.lowest_mps(0.0, speed_mps);
@@ -139,19 +150,30 @@ impl CurveSpeed {
         if self.most_mps2 < FREE_MPS2 { self.most_mps2 } else { f64::INFINITY }
     }
 
-    /// The braking with which every curve ahead is reached with its comfortable speed, and the hardest that is allowed,
-    /// m/s².
-    fn braking(&self, road: &RoadAhead<'_>, speed_mps: f64) -> (f64, f64) {
+    /// Lists what caps the speed: curves, limits, and a target that was lost.
+    fn see_caps(&mut self, input: &Input, road: &RoadAhead<'_>, free_mps: f64) {
+        let (caps, comfort) = (&mut self.caps, &self.comfort);
+        caps.clear();
+        road.each(|from_m, to_m, curvature_perm| {
+            caps.push(Cap { from_m, to_m, speed_mps: comfortable_mps(comfort, curvature_perm) });
+        });
+        // A standstill farther away is no reason to brake yet.
+        let farthest_m = free_mps * free_mps / (2.0 * self.braking_mps2);
+        caps.extend(road.limits().take_while(|cap| cap.from_m < farthest_m));
+        if let Some(held) = self.held.filter(|held| input.time_s < held.until_s) {
+            caps.push(Cap { from_m: 0.0, to_m: f64::INFINITY, speed_mps: held.speed_mps });
+        }
+    }
+
+    /// The braking with which every cap ahead is met, and the hardest that is allowed, m/s².
+    fn braking(&self, speed_mps: f64) -> (f64, f64) {
         let (mut needed, mut at_once) = (self.braking_mps2, 0.0_f64);
         let settle_m = SETTLE_S * speed_mps;
-        road.each(|from_m, _, curvature_perm| {
-            let there_mps = comfortable_mps(&self.comfort, curvature_perm);
-            if there_mps < speed_mps {
-                let surplus = 0.5 * (speed_mps * speed_mps - there_mps * there_mps);
-                needed = needed.max(surplus / (from_m - RESPONSE_S * speed_mps).max(settle_m));
-                at_once = at_once.max(surplus / from_m.max(settle_m));
-            }
-        });
+        for cap in self.caps.iter().filter(|cap| cap.speed_mps < speed_mps) {
+            let surplus = 0.5 * (speed_mps * speed_mps - cap.speed_mps * cap.speed_mps);
+            needed = needed.max(surplus / (cap.from_m - RESPONSE_S * speed_mps).max(settle_m));
+            at_once = at_once.max(surplus / cap.from_m.max(settle_m));
+        }
         let hardest = if at_once > HARD_MPS2 { HARDEST_MPS2 } else { HARD_MPS2 };
         (needed.min(hardest), hardest)
     }

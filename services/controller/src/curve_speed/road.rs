@@ -1,4 +1,7 @@
-//! The curvature ahead, as the controller has it.
+//! The curvature and the speed limits ahead, as the controller has them.
+
+use super::Cap;
+use scenario::sumo_traffic::Limit;
 
 /// Largest curvature of a road, 1/m: a larger one is an error.
 const SHARPEST_PERM: f64 = 1.0 / 15.0;
@@ -37,6 +40,10 @@ pub struct RoadAhead<'a> {
     /// Perception's estimate.
     pub course: Option<Clothoid>,
     pub map: Option<Cells<'a>>,
+    /// Speed limits of a route, in the order of their places.
+    pub limits: &'a [Limit],
+    /// Place of the ego on the route, m.
+    pub place_m: f64,
 }
 
 impl RoadAhead<'_> {
@@ -72,6 +79,18 @@ impl RoadAhead<'_> {
         {
             sound(0.0, OWN_M, own_perm);
         }
+    }
+
+    /// The speed limits from the present one on, in the order of their places.
+    pub(super) fn limits(&self) -> impl Iterator<Item = Cap> {
+        let next = self.limits.partition_point(|limit| limit.from_m <= self.place_m);
+        let ahead = &self.limits[next.saturating_sub(1)..];
+        let ends_m = ahead.iter().skip(1).map(|limit| limit.from_m).chain([f64::INFINITY]);
+        ahead.iter().zip(ends_m).map(|(limit, end_m)| Cap {
+            from_m: (limit.from_m - self.place_m).max(0.0),
+            to_m: end_m - self.place_m,
+            speed_mps: limit.speed_mps,
+        })
     }
 
     /// True if the road bends by at least `curve_perm` on the next `way_m`.

@@ -1,6 +1,7 @@
 use super::*;
 use crate::law::{Ego, Target};
 use proptest::prelude::*;
+use scenario::sumo_traffic::Limit;
 
 const PERIOD_S: f64 = 0.1;
 /// Cells of the map, m.
@@ -55,6 +56,27 @@ fn an_ego_that_is_too_fast_comes_down_with_the_braking_that_the_curve_needs() {
     let fall = (near.at_mps(20.0).powi(2) - near.at_mps(70.0).powi(2)) / 100.0;
     assert!((2.1..2.4).contains(&fall), "{fall}");
     assert_eq!(near.at_mps(330.0), 36.0, "free behind the curve");
+}
+
+#[test]
+fn a_speed_limit_is_met_where_it_begins_by_a_law_that_follows_late() {
+    let limits = [(0.0, 25.0), (300.0, 8.0), (330.0, 14.0)];
+    let limits = limits.map(|(from_m, speed_mps)| Limit { from_m, speed_mps });
+    let mut curve = CurveSpeed::new(&Keys::default());
+    let (mut place_m, mut speed_mps, mut hardest_mps2) = (0.0, 25.0, 0.0_f64);
+    for k in 0..400 {
+        let mut input = input(PERIOD_S * f64::from(k), speed_mps, 36.0);
+        let road = RoadAhead { limits: &limits, place_m, ..RoadAhead::default() };
+        curve.cap(&mut input, &road, hardest_mps2.min(0.0));
+        let request = ((input.set_speed_mps - speed_mps) / 8.0).min(curve.most_mps2);
+        hardest_mps2 = hardest_mps2.min(request);
+        place_m += PERIOD_S * speed_mps;
+        speed_mps += PERIOD_S * request;
+        let limit = limits.iter().rfind(|limit| limit.from_m <= place_m).expect("from 0 m on");
+        assert!(speed_mps < limit.speed_mps + 0.3, "{speed_mps} m/s at {place_m} m");
+    }
+    assert!(place_m > 330.0 && speed_mps > 8.0, "{speed_mps} m/s at {place_m} m");
+    assert!(hardest_mps2 > -1.3, "{hardest_mps2}");
 }
 
 #[test]
@@ -201,7 +223,8 @@ fn drive(road: &Arcs, set_mps: f64, follows_s: f64, knows: Knows) -> Most {
             cell_m: CELL_M,
             curvatures_perm: &cells[first..first + 80],
         });
-        let ahead = RoadAhead { own_perm: Some(road.at(place_m)), course: None, map };
+        let own_perm = Some(road.at(place_m));
+        let ahead = RoadAhead { own_perm, map, ..RoadAhead::default() };
         curve.cap(&mut input, &ahead, request);
         let wanted = ((input.set_speed_mps - speed_mps) / follows_s).clamp(-3.0, 1.5);
         let most = JERK_MPS3 * PERIOD_S;

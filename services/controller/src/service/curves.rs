@@ -1,14 +1,12 @@
-//! The topics of a road with a plan, and the speed in its curves.
+//! The topics of a road with a plan, and the speed along it.
 
 use crate::curve_speed::{Cells, Clothoid, CurveSpeed, OwnWay, RoadAhead};
 use crate::law::Input;
 use messages::{Course, Curves, LateralMotion, Origin};
 use runtime::{Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
-use scenario::sumo_traffic::Route;
+use scenario::sumo_traffic::Limit;
 
-/// Time by which the cap precedes a speed limit, s: laws follow a falling set speed late.
-const LEAD_S: f64 = 2.0;
 /// Periods of the radar after which a course is of no use.
 const STALE_PERIODS: f64 = 4.0;
 
@@ -20,8 +18,8 @@ pub(super) struct CurveTopics {
     stale_s: f64,
     own: OwnWay,
     speed: CurveSpeed,
-    /// Speed limits along the road, and the braking before them, m/s².
-    limits: Option<(Route, f64)>,
+    /// Speed limits along the road.
+    limits: Vec<Limit>,
 }
 
 impl CurveTopics {
@@ -42,7 +40,7 @@ impl CurveTopics {
                 + f64::from(scenario.perception.radar.latency_ms.value()) / 1e3,
             own: OwnWay::default(),
             speed: CurveSpeed::new(keys),
-            limits: scenario.traffic.route.clone().zip(Some(keys.braking_mps2.value())),
+            limits: scenario.traffic.route.as_ref().map_or_else(Vec::new, |r| r.limits.clone()),
         }))
     }
 
@@ -60,11 +58,6 @@ impl CurveTopics {
 
     /// Caps the set speed of `input`. `requested_mps2` is what the last command asked for.
     pub(super) fn cap(&mut self, input: &mut Input, requested_mps2: f64) {
-        if let Some((route, braking_mps2)) = &self.limits {
-            let (place_m, lead_m) = (input.ego.position_m, LEAD_S * input.ego.speed_mps.max(0.0));
-            let allowed_mps = route.allowed_mps(place_m, *braking_mps2, lead_m);
-            input.set_speed_mps = input.set_speed_mps.min(allowed_mps);
-        }
         let own_perm = self.lateral.newest().and_then(|sample| {
             self.own.take(sample.yaw_rate_radps, input.ego.speed_mps, input.period_s)
         });
@@ -82,7 +75,8 @@ impl CurveTopics {
             rate_perm2: course.curvature_rate_perm2,
             valid_m: course.valid_m,
         });
-        let road = RoadAhead { own_perm, course, map };
+        let (limits, place_m) = (&self.limits[..], input.ego.position_m);
+        let road = RoadAhead { own_perm, course, map, limits, place_m };
         self.speed.cap(input, &road, requested_mps2);
     }
 

@@ -13,12 +13,13 @@
 //! exists. The state stays safe while the vehicle ahead brakes with at most `b`. A state can be unsafe without the
 //! law's doing: a vehicle cuts in, or a lead brakes harder than is assumed. Behind a lead that brakes, the request is
 //! then the full braking. Behind one that does not brake, the gap opens comfortably, and more firmly if more is
-//! missing. It opens harder than comfortably where the state would otherwise still be unsafe after 2 s: a slower vehicle
-//! that cuts in closely may brake soon.
+//! missing. It opens harder than comfortably where the state would otherwise still be unsafe when the reference driver of
+//! UN R157 has taken off the closing speed: a slower vehicle that cuts in closely may brake soon.
 //!
 //! A worst case is not a reason for hard braking while gentle braking is enough for what the lead does. Let `e` be the
-//! smallest constant braking that keeps `gap_min`, or most of a gap that is already smaller. Meanwhile the lead goes on
-//! as it does, and may add to its braking. While `e` is at most 1.5 m/s², no request is below the comfortable one or
+//! smallest constant braking that keeps `gap_min`, or most of a gap that is already smaller. It counts as if it began now:
+//! harder braking that is under way would make itself look needless. Meanwhile the lead goes on as it does, and may add to
+//! its braking. While `e` is at most 1.5 m/s², no request is below the comfortable one or
 //! `-2 e`, whichever is harder:
 //!
 //! ```text
@@ -41,9 +42,10 @@ pub const CHECK_S: f64 = 0.1;
 const CHECKS: usize = 250;
 /// Halvings of the interval of requests: to a thousandth of a m/s².
 pub const HALVINGS: usize = 13;
-/// Time within which an unsafe state is left, s. Chosen: the reference driver of UN R157 (6 m/s² after 0.35 s) takes off
-/// a closing of 10 m/s in it. With 2.5 s a car that cuts in 10 m/s slower and then brakes with 5 m/s² is hit.
-const RECOVERY_S: f64 = 2.0;
+/// Reaction of the reference driver of UN R157, s, and the braking that follows, m/s². An unsafe state is left within the
+/// time in which this driver takes off the closing speed.
+const REFERENCE_S: f64 = 0.35;
+const REFERENCE_MPS2: f64 = 6.0;
 /// Halvings of the interval of gentle braking: to a hundredth of a m/s².
 const GENTLE_HALVINGS: usize = 7;
 
@@ -133,7 +135,8 @@ impl SafeGap {
     /// The smallest constant braking from now on that keeps the gap while the lead goes on as it does, m/s². `None` if
     /// gentle braking does not.
     pub fn enough_mps2(&self, ego: Motion, lead: &LeadNow) -> Option<f64> {
-        let ego = Motion { position_m: 0.0, ..ego };
+        let acceleration_mps2 = ego.acceleration_mps2.max(0.0);
+        let ego = Motion { position_m: 0.0, acceleration_mps2, ..ego };
         let expected = expected_mps2(lead);
         let least_m = (FOLLOWING.kept_share * lead.gap_m - self.min_gap_m).min(0.0);
         let is_enough =
@@ -159,14 +162,16 @@ impl SafeGap {
         self.lower(opening, |u| self.stays_behind(u, ego, lead, expected))
     }
 
-    /// True if the state is safe after [`RECOVERY_S`] of a request, while the lead goes on as expected.
+    /// True if the state is safe after the reference driver's time of a request, while the lead goes on as expected.
     fn recovers(&self, u: f64, ego: Motion, lead: &LeadNow, expected: f64) -> bool {
-        let steps = (RECOVERY_S / CHECK_S) as usize;
+        let closing_mps = (ego.speed_mps - lead.speed_mps).max(0.0);
+        let steps = ((REFERENCE_S + closing_mps / REFERENCE_MPS2) / CHECK_S).ceil();
         let start = Motion { position_m: 0.0, ..ego };
-        let then = (0..steps).fold(start, |ego, _| self.check.advance(ego, u));
+        let then = (0..steps as u32).fold(start, |ego, _| self.check.advance(ego, u));
+        let time_s = CHECK_S * steps;
         let lead = LeadNow {
-            gap_m: lead.position_m(expected, RECOVERY_S) - then.position_m,
-            speed_mps: (lead.speed_mps - expected * RECOVERY_S).max(0.0),
+            gap_m: lead.position_m(expected, time_s) - then.position_m,
+            speed_mps: (lead.speed_mps - expected * time_s).max(0.0),
             ..*lead
         };
         self.stays_behind(self.min_mps2, then, &lead, self.worst_mps2(&lead))
@@ -250,13 +255,12 @@ impl SafeGap {
         b * ((h * h + 2.0 * room_m.max(0.0) / b).sqrt() - h)
     }
 
-    /// The gap that is safe behind a lead of the same speed, both steady, m.
+    /// The gap that is safe behind a lead of the same speed, both steady, m. The ego's way is that of
+    /// [`Self::safe_speed_mps`].
     pub fn steady_gap_m(&self, speed_mps: f64) -> f64 {
-        let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2: 0.0 };
-        let next = self.after_period(0.0, ego);
-        let own_m =
-            next.position_m + self.lag.stop(next, FOLLOWING.sure_share * self.min_mps2).distance_m;
-        let lead_m = 0.5 * speed_mps * speed_mps / self.lead_deceleration_mps2;
+        let (v, tau, b) = (speed_mps, self.lag.tau_s, -FOLLOWING.sure_share * self.min_mps2);
+        let own_m = 0.5 * v * v / b + (tau + self.period.step_s) * v - 0.5 * b * tau * tau;
+        let lead_m = 0.5 * v * v / self.lead_deceleration_mps2;
         self.min_gap_m + (own_m - lead_m).max(0.0)
     }
 }

@@ -34,8 +34,8 @@ parameters! {
         max_request_mps2: f64 = 4.9, "m/s²", 0.5..=12.0, "The scenario's key.";
         /// Time headway `t_h`, s.
         time_headway_s: f64 = 1.5, "s", 0.3..=5.0, "The scenario's key.";
-        /// Buffer `d_b`: the desired gap at standstill under the paper's spacing policies, m.
-        standstill_distance_m: f64 = 12.0, "m", 0.5..=50.0, "The paper's.";
+        /// Gap at standstill, m: the paper's buffer `d_b`.
+        standstill_distance_m: f64 = 5.0, "m", 1.0..=50.0, "The scenario's key.";
         others {
             /// Step of the prediction, `T`, s.
             step_s: f64 = 0.1;
@@ -89,23 +89,14 @@ impl Config {
                 // The driver that takes over in the end.
                 let keys = ["acceleration_mps2", "reference_deceleration_mps2"];
                 let road = reader.part_of_table(TABLE.name, &keys)?;
-                let config = Self { spacing_policy, weights, road, ..Self::shared(reader) };
-                Ok(config.at_standstill())
+                Ok(Self { spacing_policy, weights, road, ..Self::shared(reader) })
             }
         }
     }
 
     pub fn of_road(reader: &Reader<'_>) -> Result<Self, Problem> {
         let road = reader.table(TABLE.name)?;
-        Ok(Self { road, ..Self::shared(reader) }.at_standstill())
-    }
-
-    /// The same with one gap at standstill for both formulations.
-    fn at_standstill(self) -> Self {
-        Self {
-            road: RoadConfig { standstill_gap_m: self.standstill_distance_m, ..self.road },
-            ..self
-        }
+        Ok(Self { road, ..Self::shared(reader) })
     }
 
     /// The settings that all formulations have.
@@ -148,7 +139,8 @@ impl Config {
         within(STEP, in_ms(self.step_s), 10.0, 500.0)?;
         let lag_ms = in_ms(self.model_time_constant_s);
         below(STEP, in_ms(self.step_s), "model_time_constant_s", lag_ms)?;
-        self.road.check_within(self.min_request_mps2, self.max_request_mps2)
+        let bounds_mps2 = (self.min_request_mps2, self.max_request_mps2);
+        self.road.check_within(bounds_mps2, self.standstill_distance_m)
     }
 
     /// A problem at its place in the scenario.

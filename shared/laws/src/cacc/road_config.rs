@@ -12,7 +12,7 @@ pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
 
 parameters! {
     /// Settings of the road formulation; all decelerations are positive numbers.
-    #[derive(Copy, Serialize, Deserialize, Schema)]
+    #[derive(Serialize, Deserialize, Schema)]
     #[serde(deny_unknown_fields, default)]
     pub struct RoadConfig {
         /// Gap that is never given up knowingly, m; from 0.1 to `standstill_distance_m`.
@@ -50,22 +50,20 @@ parameters! {
         jerk_weight_s6_per_m2: f64 = 0.5, "s⁶/m²", 0.0..=1e6, "Chosen.";
         /// Weight on the request, s⁴/m².
         request_weight_s4_per_m2: f64 = 0.05, "s⁴/m²", 1e-6..=1e6, "Chosen.";
-        others {
-            /// Desired gap to a standing lead, m.
-            #[serde(skip)]
-            standstill_gap_m: f64 = 5.0;
-        }
     }
 }
 
 impl Settings for RoadConfig {}
 
 impl RoadConfig {
-    /// Checks every setting, those included that depend on the bounds of the request. Keys are
+    /// Checks every setting, those included that depend on keys of `controller`. Keys are
     /// relative to `controller`.
-    pub fn check_within(&self, min_mps2: f64, max_mps2: f64) -> Result<(), Problem> {
-        let (standstill_m, comfort_mps2) = (self.standstill_gap_m, self.comfort_deceleration_mps2);
-        within("standstill_distance_m", standstill_m, 1.0, 50.0)?;
+    pub fn check_within(
+        &self,
+        (min_mps2, max_mps2): (f64, f64),
+        standstill_m: f64,
+    ) -> Result<(), Problem> {
+        let comfort_mps2 = self.comfort_deceleration_mps2;
         within("road.min_gap_m", self.min_gap_m, 0.1, standstill_m)?;
         within("road.acceleration_mps2", self.acceleration_mps2, 0.2, max_mps2)?;
         within("road.comfort_deceleration_mps2", comfort_mps2, 0.5, -min_mps2)?;

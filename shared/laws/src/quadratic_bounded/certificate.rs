@@ -19,10 +19,10 @@
 use super::error::{Condition, Failure};
 use super::model::{DISTURBANCES, Parameters, RULES, STATES, State, StateMatrix};
 use nalgebra::{SMatrix, SVector};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer};
 
 /// Numbers of a design, before verification.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Content {
     /// Purpose of the design.
@@ -32,23 +32,39 @@ pub struct Content {
     /// Multipliers of the disturbances, a.
     pub multipliers: [f64; DISTURBANCES],
     /// P of the ellipsoid.
-    pub p: [[f64; 2 * STATES]; 2 * STATES],
+    #[serde(deserialize_with = "rows")]
+    pub p: ClosedMatrix,
     /// Gains of the two rules.
-    pub rules: [RuleContent; RULES],
+    pub rules: [Gains; RULES],
 }
 
-/// Gains of one rule, by rows.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+/// Gains of one rule: xc+ = Ac xc + L y, Du = Fx xc + Fy y.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RuleContent {
-    /// Ac.
-    pub ac: [[f64; STATES]; STATES],
-    /// L.
-    pub l: [[f64; STATES]; STATES],
-    /// Fx.
-    pub fx: [f64; STATES],
-    /// Fy.
-    pub fy: [f64; STATES],
+pub struct Gains {
+    /// Ac, 4 by 4.
+    #[serde(deserialize_with = "rows")]
+    pub ac: StateMatrix,
+    /// L, 4 by 4.
+    #[serde(deserialize_with = "rows")]
+    pub l: StateMatrix,
+    /// Fx, as a column.
+    #[serde(deserialize_with = "column")]
+    pub fx: State,
+    /// Fy, as a column.
+    #[serde(deserialize_with = "column")]
+    pub fy: State,
+}
+
+fn rows<'de, D: Deserializer<'de>, const N: usize>(text: D) -> Result<SMatrix<f64, N, N>, D::Error>
+where
+    [[f64; N]; N]: Deserialize<'de>,
+{
+    Ok(SMatrix::<f64, N, N>::from(<[[f64; N]; N]>::deserialize(text)?).transpose())
+}
+
+fn column<'de, D: Deserializer<'de>>(text: D) -> Result<State, D::Error> {
+    Ok(State::from(<[f64; STATES]>::deserialize(text)?))
 }
 
 /// States of model and controller together.
@@ -66,38 +82,22 @@ const LEAST_PIVOT: f64 = 1e-12;
 /// Relative slack on the bounds of the indices, for rounding only.
 const SLACK: f64 = 1.0 + 1e-9;
 
-/// Gains of one rule: xc+ = Ac xc + L y, Du = Fx xc + Fy y.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gains {
-    /// Ac, 4 by 4.
-    pub ac: StateMatrix,
-    /// L, 4 by 4.
-    pub l: StateMatrix,
-    /// Fx, as a column.
-    pub fx: State,
-    /// Fy, as a column.
-    pub fy: State,
-}
-
 /// A design whose certificate has been verified: there is no other way to have one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
     pub(super) content: Content,
-    pub(super) p: ClosedMatrix,
     /// xc = reset x minimises V over xc (it is U' X^-1).
     pub(super) reset: StateMatrix,
     /// X^-1, the Schur complement of P: V with the best xc is x' X^-1 x.
     pub(super) x_inverse: StateMatrix,
-    pub(super) rules: [Gains; RULES],
 }
 
 /// Checks every condition; the first that fails is the error.
 pub(super) fn verify(content: Content) -> Result<Design, Failure> {
-    let parameters = &content.parameters;
+    let Content { parameters, p, rules, .. } = &content;
     let fail = |condition, rule: Option<usize>, value: f64, bound: f64| {
         Err(Failure { condition, rule: rule.map(|i| i + 1), value, bound })
     };
-    let p = ClosedMatrix::from_fn(|i, j| content.p[i][j]);
     for i in 0..CLOSED {
         for j in 0..i {
             if p[(i, j)] != p[(j, i)] {
@@ -114,15 +114,14 @@ pub(super) fn verify(content: Content) -> Result<Design, Failure> {
     if !(least > 0.0 && sum <= alpha) {
         return fail(Condition::Multipliers, None, if least > 0.0 { sum } else { least }, alpha);
     }
-    let Some(inverse) = inverse(&p) else {
+    let Some(inverse) = inverse(p) else {
         return fail(Condition::PositiveDefinite, None, f64::NAN, 0.0);
     };
     let reach = |row: &ClosedState| (row.transpose() * inverse * row)[(0, 0)].max(0.0).sqrt();
 
-    let rules = [0, 1].map(|i| gains(&content.rules[i]));
     for (i, rho) in parameters.rule_derivatives_s().into_iter().enumerate() {
         let (phi, g) = closed_loop(parameters, rho, &rules[i]);
-        let margin = invariance_margin(&content, &p, &phi, &g);
+        let margin = invariance_margin(&content, &phi, &g);
         if margin.is_nan() || margin <= LEAST_PIVOT {
             return fail(Condition::Invariance, Some(i), margin, LEAST_PIVOT);
         }
@@ -146,7 +145,7 @@ pub(super) fn verify(content: Content) -> Result<Design, Failure> {
             return fail(states[j], None, value, bound);
         }
     }
-    let Some((reset, x_inverse)) = best_controller_state(&p) else {
+    let Some((reset, x_inverse)) = best_controller_state(p) else {
         return fail(Condition::PositiveDefinite, None, f64::NAN, 0.0);
     };
     for start in &parameters.start_set {
@@ -156,7 +155,7 @@ pub(super) fn verify(content: Content) -> Result<Design, Failure> {
             return fail(Condition::StartSet, None, v, 1.0);
         }
     }
-    Ok(Design { content, p, reset, x_inverse, rules })
+    Ok(Design { content, reset, x_inverse })
 }
 
 /// Phi_i and G_i.
@@ -184,7 +183,6 @@ pub fn closed_loop(
 /// where it does not.
 fn invariance_margin(
     content: &Content,
-    p: &ClosedMatrix,
     phi: &ClosedMatrix,
     g: &SMatrix<f64, CLOSED, DISTURBANCES>,
 ) -> f64 {
@@ -192,13 +190,13 @@ fn invariance_margin(
     f.fixed_view_mut::<CLOSED, CLOSED>(0, 0).copy_from(phi);
     f.fixed_view_mut::<CLOSED, DISTURBANCES>(0, CLOSED).copy_from(g);
     let mut w = SMatrix::<f64, AUGMENTED, AUGMENTED>::zeros();
-    w.fixed_view_mut::<CLOSED, CLOSED>(0, 0).copy_from(&((1.0 - content.alpha) * p));
+    w.fixed_view_mut::<CLOSED, CLOSED>(0, 0).copy_from(&((1.0 - content.alpha) * content.p));
     let bounds = content.parameters.disturbance_bounds();
     for (j, (a, bound)) in content.multipliers.iter().zip(bounds).enumerate() {
         w[(CLOSED + j, CLOSED + j)] = a / (bound * bound);
     }
     let scale = w.diagonal().map(|v| 1.0 / v.sqrt());
-    let m = w - f.transpose() * (p * f);
+    let m = w - f.transpose() * (content.p * f);
     factor(&scaled(&m, &scale)).1
 }
 
@@ -211,15 +209,6 @@ fn noise_on_increment(parameters: &Parameters, fy: &State) -> f64 {
 /// [upper; lower].
 pub(super) fn extended(upper: &State, lower: &State) -> ClosedState {
     ClosedState::from_fn(|i, _| if i < STATES { upper[i] } else { lower[i - STATES] })
-}
-
-fn gains(rule: &RuleContent) -> Gains {
-    Gains {
-        ac: StateMatrix::from_fn(|i, j| rule.ac[i][j]),
-        l: StateMatrix::from_fn(|i, j| rule.l[i][j]),
-        fx: State::from_column_slice(&rule.fx),
-        fy: State::from_column_slice(&rule.fy),
-    }
 }
 
 /// reset = -P22^-1 P21 and X^-1 = P11 - P12 P22^-1 P21.

@@ -65,11 +65,6 @@ pub enum DesignError {
     Format(String),
     #[error("design parameter {}, expected {}", .0.message, .0.expected)]
     Parameter(Problem),
-    #[error("number {0:e} in the design: expected at most 1e9")]
-    Number(f64),
     #[error("the certificate fails: {0}")]
     Condition(#[from] Failure),
-    /// The numbers are not those that were certified, though they pass.
-    #[error("the digest does not match: the numbers were changed after the design was made")]
-    Digest,
 }

@@ -1,6 +1,6 @@
 //! The law: increments, virtual lead, the smaller of two, and the envelope.
 
-use super::certificate::{ClosedState, Design, extended};
+use super::certificate::{ClosedState, Content, Design, extended};
 use super::envelope::{self, Envelope};
 use super::model::State;
 use super::printed;
@@ -212,7 +212,7 @@ impl QuadraticBounded {
                 increment: printed::increment(&x),
             };
         }
-        let Design { p, reset, x_inverse, .. } = &self.design;
+        let Design { content: Content { p, rules, .. }, reset, x_inverse } = &self.design;
         let (index, limit) = (usize::from(!is_real), self.settings.envelope_limit);
         let goes_on = self.memory.mode == Some(mode);
         let (low, high) = if goes_on {
@@ -223,7 +223,6 @@ impl QuadraticBounded {
         x[index] = x[index].clamp(if is_real { f64::NEG_INFINITY } else { low }, high);
         let xc = if goes_on { self.memory.xc } else { reset * x };
         let blend = self.design.parameters().memberships(speed);
-        let rules = self.design.rules();
         let increment =
             blend.iter().zip(rules).map(|(h, r)| h * (r.fx.dot(&xc) + r.fy.dot(&x))).sum();
         Candidate { z: extended(&x, &xc), increment }
@@ -277,9 +276,7 @@ impl Law for QuadraticBounded {
     fn step(&mut self, input: &Input, output: &mut Output) {
         *output = Output::default();
         let sample_time = self.design.parameters().sample_time_s;
-        // A lead that accelerates as no vehicle can is no input.
-        let is_one = |lead: Target| (-50.0..=50.0).contains(&lead.acceleration_mps2);
-        match input.sound().filter(|checked| checked.target.is_none_or(is_one)) {
+        match input.sound() {
             None => self.blind(),
             Some(checked) => {
                 if self.memory.wait_s <= EARLY * sample_time {

@@ -81,9 +81,7 @@ mod law;
 mod model;
 mod printed;
 
-pub use certificate::{
-    ClosedMatrix, ClosedState, Content, Design, Gains, RuleContent, closed_loop,
-};
+pub use certificate::{ClosedMatrix, ClosedState, Content, Design, Gains, closed_loop};
 pub use error::{Condition, DesignError, Failure};
 pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};

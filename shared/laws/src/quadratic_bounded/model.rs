@@ -4,7 +4,7 @@ use law::settings::{Number, within};
 use nalgebra::{SMatrix, SVector};
 use parameters::parameters;
 use scenario::Problem;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// States of the model, x = [Dd, Dv, a, u(k-1)].
 pub const STATES: usize = 4;
@@ -22,7 +22,7 @@ pub type DisturbanceMatrix = SMatrix<f64, STATES, DISTURBANCES>;
 
 parameters! {
     /// Conditions of a design. The default is the reference design, a reconstruction: the paper prints none of them.
-    #[derive(Deserialize, Serialize)]
+    #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     pub struct Parameters {
         /// Ts: period of the increments, s.

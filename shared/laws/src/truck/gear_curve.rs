@@ -9,7 +9,7 @@
 //! which needs neither root nor division, and no branch. Below, the map's kink at no engine torque, between
 //! the drag and the auxiliaries' torque, is straightened.
 
-use super::bounds::torque_limits_nm;
+use super::bounds::Moment;
 use super::settings::BoundKeys;
 use truck_model::Truck;
 
@@ -43,7 +43,7 @@ impl GearCurve {
         let p0 = fuel_gpm(0.0);
         // The fit is quadratic: two more points give it exactly.
         let (half, full) = (fuel_gpm(0.5 * max_nm) - p0, fuel_gpm(max_nm) - p0);
-        let (least_nm, most_nm) = torque_limits_nm(bounds, truck, speed_mps, gear);
+        let (least_nm, most_nm) = Moment { truck, speed_mps, gear, grade: 0.0 }.limits_nm(bounds);
         let auxiliary_nm = truck.auxiliary_torque_nm(rpm);
         Self {
             usable,

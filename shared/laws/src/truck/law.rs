@@ -11,9 +11,7 @@
 //! for the limit downhill. The published law has no brakes: it commands engine torque, and warns. The key `brakes`
 //! takes them away.
 
-use super::bounds::{
-    SpeedKeeper, believable, guarded_nm, limited, max_speed_mps, permitted, powertrain,
-};
+use super::bounds::{Moment, SpeedKeeper, max_speed_mps, powertrain};
 use super::create;
 use super::following::{self, JERKS_MPS3, LastResort, Means, Mode, Spacing};
 use super::prices::{Reference, Speeds, TimePrice};
@@ -25,8 +23,7 @@ use super::{
     TARGET_GONE, TOO_CLOSE, WARN,
 };
 use law::{
-    Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview,
-    Quality, Target,
+    Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning, Preview, Quality, Target,
 };
 use truck_model::Demand;
 
@@ -102,11 +99,11 @@ impl Predictive {
     fn behind(
         &mut self,
         input: &Input,
-        powertrain: &Powertrain,
+        at: &Moment<'_>,
         target: &Target,
         economic_mps: f64,
     ) -> Option<Demand> {
-        let Settings { truck, keys: Keys { gap, follow: keys, .. } } = &self.settings;
+        let Keys { gap, follow: keys, .. } = &self.settings.keys;
         let speed_mps = input.ego.speed_mps;
         let target_mps = target.lead(speed_mps).speed_mps;
         let from_m = input.ego.position_m + target.gap_m.max(0.0);
@@ -132,30 +129,26 @@ impl Predictive {
             Means::ServiceBrake(least_mps2) => least_mps2.min(eased),
             Means::Engine | Means::EngineBrake => eased,
         };
-        let gear = powertrain.gear;
-        let mut demand =
-            Demand::for_acceleration(truck, acceleration_mps2, speed_mps, gear, powertrain.grade);
-        let rpm = truck.engine_rpm(speed_mps, gear);
-        demand.engine_torque_nm = demand.engine_torque_nm.min(truck.engine().max_torque_nm(rpm));
+        let mut demand = at.demand(acceleration_mps2);
+        let (drag_nm, full_nm) = at.engine_nm();
+        demand.engine_torque_nm = demand.engine_torque_nm.min(full_nm);
         if !matches!(means, Means::ServiceBrake(_)) {
             demand.service_brake_n = 0.0;
         }
         if means == Means::Engine {
-            let drag_nm = truck.engine().drag_torque_nm(rpm);
             demand.engine_torque_nm = demand.engine_torque_nm.max(drag_nm);
         }
         Some(demand)
     }
 
     /// Writes the demand and the accelerations that go with it.
-    fn write(&self, input: &Input, powertrain: &Powertrain, demand: &Demand, output: &mut Output) {
-        let truck = &self.settings.truck;
-        let (speed_mps, gear) = (input.ego.speed_mps, powertrain.gear);
+    fn write(&self, input: &Input, at: &Moment<'_>, demand: &Demand, output: &mut Output) {
+        let Moment { truck, speed_mps, gear, grade } = *at;
         let rpm = truck.engine_rpm(speed_mps, gear);
         let net_nm = demand.engine_torque_nm - truck.auxiliary_torque_nm(rpm);
         let force_n = truck.force_n(net_nm, gear)
             - demand.service_brake_n
-            - truck.resistance_n(speed_mps, powertrain.grade);
+            - truck.resistance_n(speed_mps, grade);
         let (low, high) = REQUESTS_MPS2;
         let bounded = |mps2: f64| mps2.clamp(low, high);
         output.set_request(bounded(force_n / truck.inertial_mass_kg()));
@@ -191,21 +184,22 @@ impl Law for Predictive {
     fn step(&mut self, input: &Input, output: &mut Output) {
         *output = Output::default();
         self.state.request = None;
-        if !believable(input) {
+        let Some(input) = &input.sound() else {
             output.quality = Quality::Backup;
             output.mode = CRUISE;
             output.mode_reason = BAD_INPUT;
             return;
-        }
-        let dt_s = input.period_s;
-        let ego = &input.ego;
+        };
+        let Settings { truck, keys } = self.settings;
+        let (ego, dt_s, set_mps) = (&input.ego, input.period_s, input.set_speed_mps);
         let preview = input.preview.filter(Preview::is_sound);
         let map_grade = preview.and_then(|preview| preview.grade(ego.position_m));
-        let powertrain = powertrain(&self.settings, input, map_grade);
-        self.state.trust.update(map_grade, powertrain.grade, dt_s);
+        let powertrain = powertrain(&truck, input, map_grade);
+        let (gear, grade) = (powertrain.gear, powertrain.grade);
+        let at = Moment { truck: &truck, speed_mps: ego.speed_mps, gear, grade };
+        self.state.trust.update(map_grade, grade, dt_s);
         // Noise alone makes no target at the edge of its range come and go.
-        let Keys { gap, filter, .. } = &self.settings.keys;
-        let farthest_m = gap.no_target_m + filter.gate * filter.gap_sigma_m;
+        let farthest_m = keys.gap.no_target_m + keys.filter.gate * keys.filter.gap_sigma_m;
         let target = input.target.as_ref().filter(|target| target.gap_m <= farthest_m);
         let target = self.state.filter.update(target, ego.acceleration_mps2, dt_s);
 
@@ -214,18 +208,18 @@ impl Law for Predictive {
             self.state.tracking.drop_plan();
         }
         let guidance = self.state.tracking.guidance(input);
-        let set_mps = input.set_speed_mps.min(input.speed_limit_mps);
         let economic_mps = guidance.map_or(set_mps, |guidance| guidance.speed_mps);
-
         let behind = match &target {
-            Some(target) => self.behind(input, &powertrain, target, economic_mps),
+            Some(target) => self.behind(input, &at, target, economic_mps),
             None => {
                 self.state.spacing_mode = Mode::Predictive;
                 self.state.last_resort = LastResort::default();
                 None
             }
         };
-        let free = behind.is_none();
+        if behind.is_none() {
+            self.state.wanted_mps2 = None;
+        }
         let demand = match (behind, guidance) {
             (Some(demand), _) => {
                 match self.state.spacing_mode {
@@ -235,62 +229,34 @@ impl Law for Predictive {
                 demand
             }
             (None, Some(guidance)) => {
-                self.enter(
-                    PREDICTIVE_MODE,
-                    if self.state.mode >= FOLLOW { TARGET_GONE } else { PLAN },
-                );
-                Demand {
-                    engine_torque_nm: guarded_nm(
-                        &self.settings,
-                        input,
-                        &powertrain,
-                        guidance.segment.engine_torque_nm,
-                    ),
-                    service_brake_n: 0.0,
-                    gear: guidance.segment.gear,
-                }
+                let reason = if self.state.mode >= FOLLOW { TARGET_GONE } else { PLAN };
+                self.enter(PREDICTIVE_MODE, reason);
+                let planned_nm = guidance.segment.engine_torque_nm;
+                let torque_nm = at.guarded_nm(&keys, input, planned_nm);
+                Demand { gear: guidance.segment.gear, ..Demand::torque(torque_nm) }
             }
             (None, None) => {
                 self.enter(CRUISE, if distrusted { MAP_CONTRADICTS } else { NO_PLAN });
-                let torque_nm = self.state.keeper.torque_nm(
-                    &self.settings.truck,
-                    (set_mps, ego.speed_mps),
-                    powertrain.gear,
-                    powertrain.grade,
-                    dt_s,
-                );
-                Demand::torque(torque_nm)
+                Demand::torque(self.state.keeper.torque_nm(&at, set_mps, dt_s))
             }
         };
-        if free {
-            self.state.wanted_mps2 = None;
-        }
         if self.state.mode != CRUISE {
             self.state.keeper = SpeedKeeper::default();
         }
-        let keys = self.settings.keys;
-        let limit_mps = max_speed_mps(&keys.bounds, input.set_speed_mps, input.speed_limit_mps);
+        let limit_mps = max_speed_mps(&keys.bounds, set_mps, input.speed_limit_mps);
         if self.state.mode == PREDICTIVE_MODE {
-            self.account(input, powertrain.grade, keys.mean_speed * set_mps, limit_mps);
+            self.account(input, grade, keys.mean_speed * set_mps, limit_mps);
         } else {
             self.state.reference = Reference::default();
         }
-        let demand = limited(
-            &self.settings.truck,
-            demand,
-            ego.speed_mps,
-            powertrain.gear,
-            powertrain.grade,
-            limit_mps,
-        );
-        let demand = permitted(&self.settings, demand, ego.speed_mps, powertrain.gear);
-        self.write(input, &powertrain, &demand, output);
+        let demand = at.permitted(at.limited(demand, limit_mps), keys.brakes);
+        self.write(input, &at, &demand, output);
 
+        let price = self.state.price.value();
         if let Some(preview) = preview
             && !distrusted
             && set_mps >= PLANNED_FROM_MPS
         {
-            let price = self.state.price.value();
             self.state.request =
                 self.state.tracking.request(input, &powertrain, &preview, price, guidance.as_ref());
         }
@@ -299,14 +265,13 @@ impl Law for Predictive {
         if self.state.mode == CRUISE && keys.planner != PlannerKind::ConstantSpeed {
             output.quality = Quality::Relaxed;
         }
-        let gap_m = target.map_or(0.0, |target| target.gap_m);
         output.figures = [
             economic_mps,
             demand.engine_torque_nm,
-            powertrain.gear as f64 + 1.0,
-            self.state.price.value(),
+            gear as f64 + 1.0,
+            price,
             self.state.price.lag_s(),
-            gap_m,
+            target.map_or(0.0, |target| target.gap_m),
             demand.service_brake_n,
             self.state.tracking.plan().end_m() - ego.position_m,
         ];

@@ -38,7 +38,7 @@ mod settings;
 mod target_filter;
 mod tracking;
 
-pub use bounds::{SpeedKeeper, limited, max_speed_mps, min_speed_mps, speed_band_mps};
+pub use bounds::{Moment, SpeedKeeper, max_speed_mps, min_speed_mps, speed_band_mps};
 pub use dynamic_programming::DynamicProgramming;
 pub use following::Spacing;
 pub use law::Predictive;

@@ -8,7 +8,7 @@
 //! tried for each of those before it. The class of the road trims the first torque. K over a segment is the closed form
 //! (4), time over it Simpson's rule.
 
-use super::bounds::{speed_band_mps, torque_bounds_nm, torque_limits_nm};
+use super::bounds::{Moment, speed_band_mps};
 use super::prices::Prices;
 use super::road_classes::{Class, LimitGrades, MOST_SEGMENTS, Reconstruction, Stretch};
 use super::settings::{Keys, Settings};
@@ -150,9 +150,9 @@ impl<'a> Search<'a> {
         let decay = libm::exp(-self.truck.drag_per_m() * stretch.length_m);
         let hold_n = self.truck.resistance_n(set_speed_mps, stretch.grade);
         let bounds = &self.keys.bounds;
-        let (low_nm, high_nm) =
-            torque_bounds_nm(bounds, self.truck, speed_mps, gear, stretch.grade);
-        let (least_nm, most_nm) = torque_limits_nm(bounds, self.truck, speed_mps, gear);
+        let at = Moment { truck: self.truck, speed_mps, gear, grade: stretch.grade };
+        let (low_nm, high_nm) = at.bounds_nm(bounds);
+        let (least_nm, most_nm) = at.limits_nm(bounds);
         let net_nm = |engine_nm: f64| engine_nm - self.auxiliary_nm;
         Piece {
             stretch: *stretch,

@@ -12,7 +12,7 @@
 
 use std::path::Path;
 
-pub use sumo::Route;
+pub use sumo::{Limit, Route};
 
 use scenario_derive::tables;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 
 use super::{CONTROL_PERIOD_S, Driver, Road, Seen};
 use controller::laws::truck::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, Values};
-use controller::laws::truck::{BoundKeys, Prices, SpeedKeeper, limited, min_speed_mps};
+use controller::laws::truck::{BoundKeys, Prices, SpeedKeeper, min_speed_mps};
 use truck_model::{Demand, Truck};
 
 /// Lowest speed of the grid, as a share of the set speed.
@@ -103,8 +103,7 @@ impl Driver for Bound {
             self.step = step;
             self.decide(seen);
         }
-        let motion = seen.motion;
-        limited(&self.truck, self.demand, motion.speed_mps, motion.gear, seen.grade, self.limit_mps)
+        seen.moment(&self.truck).limited(self.demand, self.limit_mps)
     }
 }
 
@@ -126,11 +125,8 @@ impl Cruise {
 
 impl Driver for Cruise {
     fn demand(&mut self, seen: &Seen<'_>) -> Demand {
-        let (speed_mps, gear) = (seen.motion.speed_mps, seen.motion.gear);
-        let speeds_mps = (self.set_speed_mps, speed_mps);
-        let torque_nm =
-            self.keeper.torque_nm(&self.truck, speeds_mps, gear, seen.grade, CONTROL_PERIOD_S);
-        let demand = Demand::torque(torque_nm);
-        limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
+        let at = seen.moment(&self.truck);
+        let torque_nm = self.keeper.torque_nm(&at, self.set_speed_mps, CONTROL_PERIOD_S);
+        at.limited(Demand::torque(torque_nm), self.limit_mps)
     }
 }

@@ -7,7 +7,6 @@
 
 use super::trip::normal;
 use super::{CONTROL_PERIOD_S, Driver, Seen};
-use controller::laws::truck::limited;
 use rand_pcg::Pcg64;
 use truck_model::{Demand, Truck};
 
@@ -119,6 +118,6 @@ impl Driver for Human {
                 demand = braking;
             }
         }
-        limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
+        seen.moment(&self.truck).limited(demand, self.limit_mps)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Road;
 use controller::law::Target;
+use controller::laws::truck::Moment;
 use rand_pcg::Pcg64;
 use truck_model::{Demand, FUEL_DENSITY_GPL, Ledger, Motion, Truck};
 
@@ -21,6 +22,14 @@ pub struct Seen<'a> {
     pub grade: f64,
     /// Content of the radar.
     pub target: Option<Target>,
+}
+
+impl Seen<'_> {
+    /// The truck at this moment.
+    pub(super) fn moment<'a>(&self, truck: &'a Truck) -> Moment<'a> {
+        let Motion { speed_mps, gear, .. } = *self.motion;
+        Moment { truck, speed_mps, gear, grade: self.grade }
+    }
 }
 
 /// Driver of the truck: a law, a baseline or a driver model.

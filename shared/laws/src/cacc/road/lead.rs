@@ -8,31 +8,24 @@ use law::MAX_PLAN;
 use law::following::kinematics::{LagStep, Motion};
 use law::following::safe_gap::{LeadNow, SafeGap};
 
-/// The lead's rear bumper over the horizon. Without a lead, a point that rests at zero takes its
-/// place: the error coordinates only need some known motion.
+/// The lead over the horizon, in the frame of the ego's front bumper now. Without a lead, a point that rests at zero
+/// takes its place: the error coordinates only need some known motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prediction {
     pub(super) present: bool,
-    pub(super) position_m: [f64; MAX_PLAN + 1],
-    pub(super) speed_mps: [f64; MAX_PLAN + 1],
-    pub(super) acceleration_mps2: [f64; MAX_PLAN + 1],
+    pub(super) stages: [LeadNow; MAX_PLAN + 1],
 }
 
 impl Prediction {
     pub(super) const ABSENT: Self = Self {
         present: false,
-        position_m: [0.0; MAX_PLAN + 1],
-        speed_mps: [0.0; MAX_PLAN + 1],
-        acceleration_mps2: [0.0; MAX_PLAN + 1],
+        stages: [LeadNow { gap_m: 0.0, speed_mps: 0.0, acceleration_mps2: 0.0 }; MAX_PLAN + 1],
     };
 
     /// The lead at a stage, before an ego at `position_m`.
     pub(super) fn at(&self, stage: usize, position_m: f64) -> Option<LeadNow> {
-        self.present.then(|| LeadNow {
-            gap_m: self.position_m[stage] - position_m,
-            speed_mps: self.speed_mps[stage],
-            acceleration_mps2: self.acceleration_mps2[stage],
-        })
+        let lead = self.stages[stage];
+        self.present.then_some(LeadNow { gap_m: lead.gap_m - position_m, ..lead })
     }
 
     /// Predicts in steps of `step_s`; `decay` is `exp(-step / tau_l)`.
@@ -43,10 +36,9 @@ impl Prediction {
         };
         self.present = true;
         let (mut x, mut v, mut a) = (lead.gap_m, lead.speed_mps.max(0.0), lead.acceleration_mps2);
-        for k in 0..=MAX_PLAN {
-            self.position_m[k] = x;
-            self.speed_mps[k] = v;
-            self.acceleration_mps2[k] = if v > 0.0 || a > 0.0 { a } else { 0.0 };
+        for stage in &mut self.stages {
+            let acceleration_mps2 = if v > 0.0 || a > 0.0 { a } else { 0.0 };
+            *stage = LeadNow { gap_m: x, speed_mps: v, acceleration_mps2 };
             // The mean acceleration over a step of the exponential, to second order.
             let next = (v + step_s * 0.5 * (a + a * decay)).max(0.0);
             x += step_s * 0.5 * (v + next);
@@ -112,10 +104,10 @@ mod tests {
         let lead = LeadNow { gap_m: 20.0, speed_mps: 10.0, acceleration_mps2: -2.0 };
         prediction.update(Some(&lead), 0.1, decay);
         // All of the deceleration: a tau_l = 3 m/s.
-        assert!((prediction.speed_mps[MAX_PLAN] - 7.0).abs() < 0.01);
+        assert!((prediction.stages[MAX_PLAN].speed_mps - 7.0).abs() < 0.01);
         let lead = LeadNow { speed_mps: 2.0, ..lead };
         prediction.update(Some(&lead), 0.1, decay);
-        assert_eq!(prediction.speed_mps[MAX_PLAN], 0.0);
-        assert!(prediction.position_m.windows(2).all(|pair| pair[1] >= pair[0]));
+        assert_eq!(prediction.stages[MAX_PLAN].speed_mps, 0.0);
+        assert!(prediction.stages.windows(2).all(|pair| pair[1].gap_m >= pair[0].gap_m));
     }
 }

@@ -46,7 +46,7 @@
 //! |---|---|---|
 //! | `T`, `tau` | [`Config::step_s`], [`Config::model_time_constant_s`] | s |
 //! | `t_h` | [`Config::time_headway_s`] | s |
-//! | `s0`, `gap_min` | [`RoadConfig::standstill_gap_m`](super::road_config::RoadConfig), `min_gap_m` | m |
+//! | `s0`, `gap_min` | [`Config::standstill_distance_m`], `min_gap_m` | m |
 //! | `c`, `b` | [`LagStep`](law::following::kinematics::LagStep) | s², s, 1 |
 //! | `tau_l` | `RoadConfig::lead_decay_s` | s |
 //! | `q_e`, `q_v`, `q_a`, `q_j`, `r` | the weights of `RoadConfig` | see there |
@@ -138,11 +138,7 @@ impl RoadLaw {
     fn look(&mut self, input: &Input) -> Option<Seen> {
         let ego = &input.ego;
         let lead = input.target.map(|target| target.lead(ego.speed_mps));
-        let sum = ego.position_m + ego.speed_mps + ego.acceleration_mps2 + input.time_s;
-        let lead_sum = lead.map_or(0.0, |l| l.gap_m + l.speed_mps + l.acceleration_mps2);
-        let raw = input.target.map_or(0.0, |target| target.relative_speed_mps);
-        let period_fits = input.period_s > 0.0 && input.period_s <= 1.0;
-        if !((sum + lead_sum + raw).is_finite() && period_fits) {
+        if !input.is_plausible() {
             return None;
         }
         if self.uses_light {
@@ -301,7 +297,7 @@ impl Law for RoadLaw {
         let closed = self.write(input, &seen, &decision, &filter, output);
         if let Some(lead) = &seen.lead {
             let v = seen.ego.speed_mps;
-            let desired = self.config.time_headway_s * v + self.config.road.standstill_gap_m;
+            let desired = self.config.time_headway_s * v + self.config.standstill_distance_m;
             output.figures[0] = desired - lead.gap_m;
             output.figures[1] = v - lead.speed_mps;
         }

@@ -6,7 +6,7 @@ use super::decision::Choice;
 use super::filter::{Filter, Gate as Held, Pass, safe_gap};
 use super::lead::{Fastest, Prediction};
 use super::program::{Deadline, Programs};
-use super::reference::{Gate, Reference, SafeGapTable, Scene};
+use super::reference::{Gate, Reference, Scene};
 use super::signals::SignalMemory;
 use crate::cacc::config::Config;
 use crate::cacc::paper::usable;
@@ -41,7 +41,6 @@ pub(super) struct Planner {
     lead_decay: f64,
     gaining_decay: f64,
     safe: SafeGap,
-    safe_gap: SafeGapTable,
     work: Box<Work>,
 }
 
@@ -82,15 +81,13 @@ impl Planner {
     ) -> Result<Self, ProblemError> {
         let lag = Lag { tau_s: config.model_time_constant_s }.discretise(config.step_s);
         let road = &config.road;
-        let safe = safe_gap(config, config.step_s);
         Ok(Self {
             config: *config,
             solver,
             programs: Programs::new(config, &lag)?,
             driver: config.driver(),
             lag,
-            safe,
-            safe_gap: SafeGapTable::new(&safe),
+            safe: safe_gap(config, config.step_s),
             lead_decay: libm::exp(-config.step_s / road.lead_decay_s),
             gaining_decay: libm::exp(-config.step_s / road.lead_decay_s.max(GAINING_DECAY_S)),
             work: Box::new(Work {
@@ -131,7 +128,7 @@ impl Planner {
             desired_mps: seen.desired_mps,
             profile: seen.profile.as_ref(),
             origin_m: input.ego.position_m,
-            safe_gap: &self.safe_gap,
+            safe: &self.safe,
             lead,
             lines: seen.signals.lines(),
         };

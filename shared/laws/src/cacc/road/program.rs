@@ -22,6 +22,7 @@ use super::reference::Reference;
 use crate::cacc::config::Config;
 use crate::cacc::road_config::RoadConfig;
 use law::following::kinematics::{LagStep, Motion};
+use law::following::safe_gap::LeadNow;
 
 /// Price of a metre beyond the ceiling.
 const CEILING_PRICE: f64 = 300.0;
@@ -95,7 +96,7 @@ impl Programs {
         deadline: Option<Deadline>,
         fastest: &Fastest,
     ) {
-        let (t_h, s0) = (self.config.time_headway_s, self.config.road.standstill_gap_m);
+        let (t_h, s0) = (self.config.time_headway_s, self.config.standstill_distance_m);
         fill(&mut self.go, &self.config, reference, lead);
         match deadline {
             Some(Deadline { stage, switch, line_m }) => {
@@ -105,12 +106,12 @@ impl Programs {
                     let share = (slower / PULL_BAND_MPS).clamp(0.0, 1.0);
                     self.pull(switch, share * switch as f64 * self.light_price(margin_m));
                 }
-                let offset = lead.position_m[stage] - t_h * lead.speed_mps[stage] - s0;
+                let offset = lead.stages[stage].gap_m - t_h * lead.stages[stage].speed_mps - s0;
                 self.go.set_row_stages(PASS, stage, stage);
                 // Faster than this the safety filter would brake.
                 for (k, limit) in self.go.row_limits_mut(FAST)[..=stage].iter_mut().enumerate() {
                     let most_mps = fastest.speed_mps[k] + SPEED_MARGIN_MPS;
-                    *limit = limit.min(most_mps - lead.speed_mps[k]);
+                    *limit = limit.min(most_mps - lead.stages[k].speed_mps);
                 }
                 self.go.row_limits_mut(PASS)[stage] = offset - (line_m + PASS_M);
             }
@@ -145,19 +146,19 @@ impl Programs {
 
 /// Fills what both programs have.
 fn fill(problem: &mut Problem, config: &Config, reference: &Reference, lead: &Prediction) {
-    let (t_h, s0, step) = (config.time_headway_s, config.road.standstill_gap_m, config.step_s);
+    let (t_h, s0, step) = (config.time_headway_s, config.standstill_distance_m, config.step_s);
     let (weights, r) = (weights(&config.road), config.road.request_weight_s4_per_m2);
     let error = |k: usize, motion: &Motion| {
-        let gap = lead.position_m[k] - motion.position_m;
+        let LeadNow { gap_m, speed_mps, .. } = lead.stages[k];
         let v = motion.speed_mps;
-        [t_h * v + s0 - gap, v - lead.speed_mps[k], motion.acceleration_mps2]
+        [t_h * v + s0 - (gap_m - motion.position_m), v - speed_mps, motion.acceleration_mps2]
     };
     let n = problem.horizon();
     problem.set_initial_state(error(0, &reference.motion[0]));
     for (k, d) in problem.disturbances_mut().iter_mut().enumerate() {
-        let moved = lead.position_m[k + 1] - lead.position_m[k];
-        let faster = lead.speed_mps[k + 1] - lead.speed_mps[k];
-        *d = [step * lead.speed_mps[k] - moved, -faster, 0.0];
+        let (now, next) = (&lead.stages[k], &lead.stages[k + 1]);
+        let moved = next.gap_m - now.gap_m;
+        *d = [step * now.speed_mps - moved, now.speed_mps - next.speed_mps, 0.0];
     }
     for (k, gradient) in problem.state_gradients_mut().iter_mut().enumerate() {
         let x = error(k, &reference.motion[k]);
@@ -170,8 +171,8 @@ fn fill(problem: &mut Problem, config: &Config, reference: &Reference, lead: &Pr
     let last = error(n, &reference.motion[n]);
     problem.set_terminal_gradient(std::array::from_fn(|i| -TERMINAL * weights[i] * last[i]));
     for k in 1..=n {
-        let v_lead = lead.speed_mps[k];
-        let offset = lead.position_m[k] - t_h * v_lead - s0;
+        let v_lead = lead.stages[k].speed_mps;
+        let offset = lead.stages[k].gap_m - t_h * v_lead - s0;
         problem.row_limits_mut(CEILING)[k] = reference.ceiling_m[k] - offset;
         // Above the limit nothing may become faster: a limit that followed would be driven up, cycle by cycle.
         let above = reference.motion[k].speed_mps.min(reference.motion[0].speed_mps);

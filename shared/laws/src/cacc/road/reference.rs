@@ -17,7 +17,7 @@ use super::signals::Line;
 use crate::cacc::config::Config;
 use law::following::driver::{Driver, Obstacle};
 use law::following::kinematics::{LagStep, Motion};
-use law::following::safe_gap::SafeGap;
+use law::following::safe_gap::{LeadNow, SafeGap};
 use law::{MAX_PLAN, SpeedProfile};
 
 /// Lag `h` that it assumes when it glides, s.
@@ -54,7 +54,7 @@ pub(super) struct Scene<'a> {
     pub(super) profile: Option<&'a SpeedProfile>,
     /// Distance on the odometer of the roll-out's origin, m.
     pub(super) origin_m: f64,
-    pub(super) safe_gap: &'a SafeGapTable,
+    pub(super) safe: &'a SafeGap,
     pub(super) lead: &'a Prediction,
     pub(super) lines: &'a [Line],
 }
@@ -100,11 +100,10 @@ impl Reference {
             self.motion[k + 1] = next;
             self.fastest_mps[k + 1] =
                 scene.profile.map_or(scene.desired_mps, |profile| profile.at_mps(next.position_m));
-            let behind_lead = if scene.lead.present {
-                scene.lead.position_m[k + 1] - scene.config.road.min_gap_m
-            } else {
-                f64::INFINITY
-            };
+            let behind_lead = scene
+                .lead
+                .at(k + 1, scene.config.road.min_gap_m)
+                .map_or(f64::INFINITY, |lead| lead.gap_m);
             self.ceiling_m[k + 1] = ceiling.min(behind_lead).max(next.position_m + 0.05);
         }
     }
@@ -115,36 +114,15 @@ impl Reference {
     }
 }
 
-/// The gap that is safe behind a steady lead, over the speed.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SafeGapTable {
-    /// At whole metres per second.
-    gap_m: [f64; SPEEDS],
-}
-
-const SPEEDS: usize = 72;
 /// Gap that is kept beyond the safe one, m: the noise of the radar.
 const SPARE_M: f64 = 1.0;
-
-impl SafeGapTable {
-    pub(super) fn new(safe: &SafeGap) -> Self {
-        Self { gap_m: std::array::from_fn(|v| SPARE_M + safe.steady_gap_m(v as f64)) }
-    }
-
-    fn at(&self, speed_mps: f64) -> f64 {
-        let place = speed_mps.clamp(0.0, (SPEEDS - 2) as f64);
-        let low = place as usize;
-        let share = place - low as f64;
-        self.gap_m[low] + share * (self.gap_m[low + 1] - self.gap_m[low])
-    }
-}
 
 impl Scene<'_> {
     /// The time headway, or the safe gap if that is larger.
     fn headway_at(&self, v: f64) -> f64 {
         let (headway_s, standstill_m) =
-            (self.config.time_headway_s, self.config.road.standstill_gap_m);
-        headway_s.max((self.safe_gap.at(v) - standstill_m) / v.max(1.0))
+            (self.config.time_headway_s, self.config.standstill_distance_m);
+        headway_s.max((SPARE_M + self.safe.steady_gap_m(v) - standstill_m) / v.max(1.0))
     }
 
     /// The driver's request at stage `k` and the ceiling that closed lines put on the next
@@ -154,7 +132,7 @@ impl Scene<'_> {
         let (desired_mps, free) = self.free(here);
         let mut request = free;
         if let Some(lead) = self.lead.at(k, here.position_m) {
-            let lead = lead.obstacle(self.headway_at(v), self.config.road.standstill_gap_m);
+            let lead = lead.obstacle(self.headway_at(v), self.config.standstill_distance_m);
             request = free.min(self.driver.follow_below_mps2(free, v, desired_mps, &lead));
         }
         let time = self.now_s + k as f64 * self.lag.step_s;
@@ -199,10 +177,9 @@ impl Scene<'_> {
 
     /// Room before a closed line, m. A lead may wait there.
     fn queue_room_m(&self, k: usize, here: Motion, distance: f64) -> f64 {
-        let gap = self.lead.position_m[k] - here.position_m;
-        let waits = self.lead.present && gap < distance && self.lead.speed_mps[k] < WAITS_MPS;
-        let road = &self.config.road;
-        if waits { gap - road.standstill_gap_m + road.stop_margin_m } else { distance }
+        let waits = |lead: &LeadNow| lead.gap_m < distance && lead.speed_mps < WAITS_MPS;
+        let Some(lead) = self.lead.at(k, here.position_m).filter(waits) else { return distance };
+        lead.gap_m - self.config.standstill_distance_m + self.config.road.stop_margin_m
     }
 
     /// Request before a closed line that opens after a time in s. The speed is one at which the driver requests `free`
@@ -258,7 +235,6 @@ impl Scene<'_> {
 mod tests {
     use super::*;
     use law::following::kinematics::Lag;
-    use law::following::safe_gap::{LeadNow, SafeGap};
 
     #[test]
     fn a_driver_that_stands_leaves_the_linear_model_where_it_stands() {
@@ -275,7 +251,7 @@ mod tests {
             desired_mps: 20.0,
             profile: None,
             origin_m: 0.0,
-            safe_gap: &SafeGapTable::new(&safe),
+            safe: &safe,
             lead: &lead,
             lines: &[],
         };
