@@ -128,10 +128,8 @@ pub struct Input {
 
 /// No road vehicle is faster, m/s; anything above is a broken input.
 const FASTEST_MPS: f64 = 150.0;
-/// No sensor sees farther, m.
-const FARTHEST_M: f64 = 1e6;
-/// No drive is longer, s and m.
-const LONGEST: f64 = 1e7;
+/// No sensor sees farther and no drive is longer, m and s.
+const FARTHEST: f64 = 1e6;
 /// No vehicle accelerates or brakes harder, m/s².
 const HARDEST_MPS2: f64 = 50.0;
 
@@ -161,15 +159,15 @@ impl Input {
         let within = |v: f64, low: f64, high: f64| (low..=high).contains(&v);
         let up_to = |v: f64, most: f64| within(v, -most, most);
         within(self.period_s, 1e-4, 10.0)
-            && up_to(self.time_s, LONGEST)
-            && up_to(self.ego.position_m, LONGEST)
+            && up_to(self.time_s, FARTHEST)
+            && up_to(self.ego.position_m, FARTHEST)
             && within(self.ego.speed_mps, -1.0, FASTEST_MPS)
             && up_to(self.ego.acceleration_mps2, HARDEST_MPS2)
             && within(self.wanted_speed_mps(), 0.0, FASTEST_MPS)
             && !self.set_speed_mps.is_nan()
             && !self.speed_limit_mps.is_nan()
             && self.target.is_none_or(|target| {
-                up_to(target.gap_m, FARTHEST_M)
+                up_to(target.gap_m, FARTHEST)
                     && up_to(target.acceleration_mps2, HARDEST_MPS2)
                     && within(target.relative_speed_mps, -2.0 * FASTEST_MPS, FASTEST_MPS)
             })

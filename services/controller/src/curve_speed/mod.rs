@@ -34,7 +34,7 @@ mod own_way;
 mod road;
 
 pub use own_way::OwnWay;
-pub use road::{Cells, Clothoid, RoadAhead};
+pub use road::{Cells, RoadAhead};
 
 use crate::law::{Input, RESPONSE_S, SpeedProfile};
 use scenario::controller::{Comfort, CurveSpeed as Keys};
@@ -56,8 +56,6 @@ const HARD_MPS2: f64 = 2.5;
 const HARDEST_MPS2: f64 = 3.5;
 /// Change of the bound on the request, m/s³: the least jerk limit of ISO 15622.
 const BOUND_MPS3: f64 = 2.5;
-/// Caps of a cycle without another allocation: a course, a map, and the limits of 1 km.
-const MOST_CAPS: usize = 350;
 /// Bound that no law reaches, m/s².
 const FREE_MPS2: f64 = 10.0;
 
@@ -78,13 +76,6 @@ pub fn comfortable_mps(comfort: &Comfort, curvature_perm: f64) -> f64 {
     ((slope * slope + 4.0 * k * constant).sqrt() - slope) / (2.0 * k)
 }
 
-/// Speed held after a target was lost.
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    until_s: f64,
-    speed_mps: f64,
-}
-
 /// A stretch of the road, m ahead, with the largest speed on it.
 #[derive(Clone, Copy, Debug)]
 struct Cap {
@@ -101,7 +92,8 @@ pub struct CurveSpeed {
     caps: Vec<Cap>,
     /// Least braking before a curve, m/s².
     braking_mps2: f64,
-    held: Option<Held>,
+    /// Cap after a target was lost, and the time up to which it holds, s.
+    held: Option<(Cap, f64)>,
     /// A target was there at the last release, at this distance, m.
     target_m: Option<f64>,
     /// Bound on the acceleration, m/s².
@@ -113,7 +105,7 @@ impl CurveSpeed {
     pub fn new(keys: &Keys) -> Self {
         Self {
             comfort: keys.comfort_mps2,
-            caps: Vec::with_capacity(MOST_CAPS),
+            caps: Vec::new(),
             braking_mps2: keys.braking_mps2.value(),
             held: None,
             target_m: None,
@@ -125,7 +117,6 @@ impl CurveSpeed {
     pub fn cap(&mut self, input: &mut Input, road: &RoadAhead<'_>, requested_mps2: f64) {
         let speed_mps = input.ego.speed_mps.max(0.0);
         let free_mps = input.wanted_speed_mps();
-        self.see_target(input, road, speed_mps);
         self.see_caps(input, road, free_mps);
         let (braking_mps2, hardest_mps2) = self.braking(speed_mps);
         let mut profile = SpeedProfile::constant(free_mps);
@@ -152,17 +143,17 @@ impl CurveSpeed {
 
     /// Lists what caps the speed: curves, limits, and a target that was lost.
     fn see_caps(&mut self, input: &Input, road: &RoadAhead<'_>, free_mps: f64) {
-        let (caps, comfort) = (&mut self.caps, &self.comfort);
-        caps.clear();
+        self.caps.clear();
         road.each(|from_m, to_m, curvature_perm| {
-            caps.push(Cap { from_m, to_m, speed_mps: comfortable_mps(comfort, curvature_perm) });
+            let speed_mps = comfortable_mps(&self.comfort, curvature_perm);
+            self.caps.push(Cap { from_m, to_m, speed_mps });
         });
+        self.see_target(input);
         // A standstill farther away is no reason to brake yet.
         let farthest_m = free_mps * free_mps / (2.0 * self.braking_mps2);
-        caps.extend(road.limits().take_while(|cap| cap.from_m < farthest_m));
-        if let Some(held) = self.held.filter(|held| input.time_s < held.until_s) {
-            caps.push(Cap { from_m: 0.0, to_m: f64::INFINITY, speed_mps: held.speed_mps });
-        }
+        self.caps.extend(road.limits().take_while(|cap| cap.from_m < farthest_m));
+        let held = self.held.filter(|(_, until_s)| input.time_s < *until_s);
+        self.caps.extend(held.map(|(cap, _)| cap));
     }
 
     /// The braking with which every cap ahead is met, and the hardest that is allowed, m/s².
@@ -178,12 +169,17 @@ impl CurveSpeed {
         (needed.min(hardest), hardest)
     }
 
-    /// Notes the target; holds the speed where one was lost in a curve.
-    fn see_target(&mut self, input: &Input, road: &RoadAhead<'_>, speed_mps: f64) {
+    /// Notes the target; holds the speed where one was lost in one of the curves that are listed.
+    fn see_target(&mut self, input: &Input) {
         let target_m = input.target.map(|target| target.gap_m);
+        let bend_mps = comfortable_mps(&self.comfort, CURVE_PERM);
+        let bends =
+            |way_m| self.caps.iter().any(|cap| cap.from_m <= way_m && cap.speed_mps <= bend_mps);
         match (self.target_m, target_m) {
-            (Some(lost_m), None) if road.bends_within(lost_m, CURVE_PERM) => {
-                self.held = Some(Held { until_s: input.time_s + HELD_S, speed_mps });
+            (Some(lost_m), None) if bends(lost_m) => {
+                let speed_mps = input.ego.speed_mps.max(0.0);
+                let cap = Cap { from_m: 0.0, to_m: f64::INFINITY, speed_mps };
+                self.held = Some((cap, input.time_s + HELD_S));
             }
             (_, Some(_)) => self.held = None,
             (_, None) => {}

@@ -1,6 +1,7 @@
 //! The curvature and the speed limits ahead, as the controller has them.
 
 use super::Cap;
+use messages::Course;
 use scenario::sumo_traffic::Limit;
 
 /// Largest curvature of a road, 1/m: a larger one is an error.
@@ -11,17 +12,6 @@ const STEP_M: f64 = 5.0;
 const OWN_M: f64 = 50.0;
 /// A clothoid is looked at so far ahead at most, m.
 const FARTHEST_M: f64 = 300.0;
-
-/// A curvature that changes linearly, from the ego on.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Clothoid {
-    /// Curvature at the ego, 1/m, positive to the left.
-    pub curvature_perm: f64,
-    /// Its change along the road, 1/m².
-    pub rate_perm2: f64,
-    /// Distance ahead up to which it holds, m.
-    pub valid_m: f64,
-}
 
 /// Mean curvatures in cells of equal length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +28,7 @@ pub struct RoadAhead<'a> {
     /// Curvature of the ego's own way, 1/m. It counts without a map: a course may be wrong about a tight curve.
     pub own_perm: Option<f64>,
     /// Perception's estimate.
-    pub course: Option<Clothoid>,
+    pub course: Option<&'a Course>,
     pub map: Option<Cells<'a>>,
     /// Speed limits of a route, in the order of their places.
     pub limits: &'a [Limit],
@@ -56,28 +46,25 @@ impl RoadAhead<'_> {
                 see(from_m, to_m, curvature_perm);
             }
         };
-        if let Some(course) = &self.course {
+        if let Some(course) = self.course {
             let valid_m = course.valid_m.clamp(0.0, FARTHEST_M);
             let steps = (valid_m / STEP_M) as u32;
             for step in 0..=steps {
                 let ahead_m = f64::from(step) * STEP_M;
-                let curvature_perm = course.curvature_perm + course.rate_perm2 * ahead_m;
+                let curvature_perm = course.curvature_perm + course.curvature_rate_perm2 * ahead_m;
                 sound(ahead_m, ahead_m + STEP_M, curvature_perm);
             }
         }
-        if let Some(map) = self.cells() {
-            for (cell, curvature_perm) in map.curvatures_perm.iter().enumerate() {
-                // A mean is reached in the cell's middle, or half a cell earlier where the next cell is as sharp.
-                let from_m = map.first_m + (cell as f64 - 0.5) * map.cell_m;
-                if from_m + 1.5 * map.cell_m > 0.0 {
-                    sound(from_m.max(0.0), (from_m + map.cell_m).max(0.0), *curvature_perm);
-                }
+        let Some(map) = self.cells() else {
+            self.own_perm.iter().for_each(|own_perm| sound(0.0, OWN_M, *own_perm));
+            return;
+        };
+        for (cell, curvature_perm) in map.curvatures_perm.iter().enumerate() {
+            // A mean is reached in the cell's middle, or half a cell earlier where the next cell is as sharp.
+            let from_m = map.first_m + (cell as f64 - 0.5) * map.cell_m;
+            if from_m + 1.5 * map.cell_m > 0.0 {
+                sound(from_m.max(0.0), (from_m + map.cell_m).max(0.0), *curvature_perm);
             }
-        }
-        if self.cells().is_none()
-            && let Some(own_perm) = self.own_perm
-        {
-            sound(0.0, OWN_M, own_perm);
         }
     }
 
@@ -93,15 +80,6 @@ impl RoadAhead<'_> {
         })
     }
 
-    /// True if the road bends by at least `curve_perm` on the next `way_m`.
-    pub(super) fn bends_within(&self, way_m: f64, curve_perm: f64) -> bool {
-        let mut bends = false;
-        self.each(|from_m, _, curvature_perm| {
-            bends |= from_m <= way_m && curvature_perm.abs() >= curve_perm;
-        });
-        bends
-    }
-
     /// The map, if it is one and covers some road ahead.
     fn cells(&self) -> Option<&Cells<'_>> {
         let covers = |map: &&Cells<'_>| {
@@ -115,6 +93,7 @@ impl RoadAhead<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bytemuck::Zeroable;
 
     fn places(road: &RoadAhead<'_>) -> Vec<(f64, f64, f64)> {
         let mut places = Vec::new();
@@ -129,7 +108,6 @@ mod tests {
             |first_m| Some(Cells { first_m, cell_m: 25.0, curvatures_perm: &curvatures_perm });
         let road = RoadAhead { map: map(-10.0), own_perm: Some(9e-3), ..RoadAhead::default() };
         assert_eq!(places(&road), [(0.0, 2.5, 1e-3), (2.5, 27.5, 2e-3), (27.5, 52.5, 3e-3)]);
-        assert!(road.bends_within(2.5, 2e-3) && !road.bends_within(2.0, 2e-3));
         let passed = RoadAhead { map: map(-30.0), ..RoadAhead::default() };
         assert_eq!(places(&passed)[0], (0.0, 7.5, 2e-3));
     }
@@ -147,8 +125,10 @@ mod tests {
 
     #[test]
     fn a_course_counts_as_far_as_it_holds() {
-        let course = Clothoid { curvature_perm: 1e-3, rate_perm2: 1e-4, valid_m: 12.0 };
-        let road = RoadAhead { course: Some(course), ..RoadAhead::default() };
+        let (curvature_perm, curvature_rate_perm2) = (1e-3, 1e-4);
+        let course =
+            Course { curvature_perm, curvature_rate_perm2, valid_m: 12.0, ..Course::zeroed() };
+        let road = RoadAhead { course: Some(&course), ..RoadAhead::default() };
         let [(0.0, 5.0, a), (5.0, 10.0, b), (10.0, 15.0, c)] = places(&road)[..] else {
             panic!("three places")
         };
@@ -167,7 +147,7 @@ mod tests {
         for map in [Cells { cell_m: f64::NAN, ..map }, Cells { first_m: f64::NAN, ..map }] {
             assert_eq!(places(&RoadAhead { map: Some(map), ..RoadAhead::default() }), []);
         }
-        let course = Clothoid { curvature_perm: 0.0, rate_perm2: 0.0, valid_m: f64::NAN };
-        assert!(places(&RoadAhead { course: Some(course), ..RoadAhead::default() }).len() < 100);
+        let course = Course { valid_m: f64::NAN, ..Course::zeroed() };
+        assert!(places(&RoadAhead { course: Some(&course), ..RoadAhead::default() }).len() < 100);
     }
 }

@@ -19,6 +19,7 @@ struct Change {
 }
 
 /// Counts of the cycles so far.
+#[derive(Default)]
 pub struct Account {
     /// Commands that were sent after their deadline.
     pub deadline_misses: u64,
@@ -34,14 +35,7 @@ pub struct Account {
 impl Account {
     /// Nothing yet; it allocates no more after this.
     pub fn new() -> Self {
-        Self {
-            deadline_misses: 0,
-            relaxed: 0,
-            backup: 0,
-            levels: LevelLog::default(),
-            mode: None,
-            changes: Vec::with_capacity(MAX_MODE_CHANGES),
-        }
+        Self { changes: Vec::with_capacity(MAX_MODE_CHANGES), ..Self::default() }
     }
 
     pub fn count(&mut self, time_s: f64, output: &Output, level: Level) {

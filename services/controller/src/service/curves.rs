@@ -1,6 +1,6 @@
 //! The topics of a road with a plan, and the speed along it.
 
-use crate::curve_speed::{Cells, Clothoid, CurveSpeed, OwnWay, RoadAhead};
+use crate::curve_speed::{Cells, CurveSpeed, OwnWay, RoadAhead};
 use crate::law::Input;
 use messages::{Course, Curves, LateralMotion, Origin};
 use runtime::{Runtime, RuntimeError, Subscriber};
@@ -69,11 +69,6 @@ impl CurveTopics {
         let course = self.course.newest().filter(|course| {
             let age_s = input.time_s - course.header.acquisition_ns as f64 / 1e9;
             course.valid_m > 0.0 && age_s <= self.stale_s
-        });
-        let course = course.map(|course| Clothoid {
-            curvature_perm: course.curvature_perm,
-            rate_perm2: course.curvature_rate_perm2,
-            valid_m: course.valid_m,
         });
         let (limits, place_m) = (&self.limits[..], input.ego.position_m);
         let road = RoadAhead { own_perm, course, map, limits, place_m };

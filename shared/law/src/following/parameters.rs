@@ -11,7 +11,7 @@
 //! ```
 //!
 //! The base: least gap 18.1 m, hardest braking 2.49 m/s², rms jerk 0.505 m/s³ (means of the scenes). There is no
-//! collision. `six-mode` (19.8 m, 2.84 m/s², 0.554 m/s³) is named in the rows that change something there, and only in
+//! collision. `six-mode` (20.4 m, 2.89 m/s², 0.479 m/s³) is named in the rows that change something there, and only in
 //! them.
 
 use parameters::{Varied, parameters};

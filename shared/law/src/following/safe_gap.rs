@@ -117,18 +117,15 @@ impl SafeGap {
         Self { lag, period, check, min_mps2, comfort_mps2, min_gap_m, lead_deceleration_mps2 }
     }
 
-    /// The safe request nearest to `request`, tempered where gentle braking is enough.
+    /// The safe request nearest to `request`. Where gentle braking is enough, it is no harder than the comfortable one and
+    /// twice what is enough.
     pub fn apply(&self, request: f64, ego: Motion, lead: &LeadNow) -> f64 {
         let safe = self.nearest(request, ego, lead);
         // A harder request has other reasons, as a stop line.
-        if safe < self.comfort_mps2 { self.temper(safe, ego, lead).min(request) } else { safe }
-    }
-
-    /// The request, no harder than the comfortable one and twice what is enough.
-    fn temper(&self, request: f64, ego: Motion, lead: &LeadNow) -> f64 {
-        match self.enough_mps2(ego, lead) {
-            Some(enough) => request.max(self.comfort_mps2.min(-2.0 * enough)),
-            None => request,
+        let tempered = |enough| safe.max(self.comfort_mps2.min(-2.0 * enough)).min(request);
+        match safe < self.comfort_mps2 {
+            true => self.enough_mps2(ego, lead).map_or(safe, tempered),
+            false => safe,
         }
     }
 
@@ -249,8 +246,7 @@ impl SafeGap {
     pub fn safe_speed_mps(&self, lead: &LeadNow) -> f64 {
         let b = -FOLLOWING.sure_share * self.min_mps2;
         let (tau, h) = (self.lag.tau_s, self.lag.tau_s + self.period.step_s);
-        let v = lead.speed_mps.max(0.0);
-        let lead_m = 0.5 * v * v / self.worst_mps2(lead);
+        let lead_m = 0.5 * lead.speed_mps.max(0.0).powi(2) / self.worst_mps2(lead);
         let room_m = lead.gap_m + lead_m - self.min_gap_m + 0.5 * b * tau * tau;
         b * ((h * h + 2.0 * room_m.max(0.0) / b).sqrt() - h)
     }
