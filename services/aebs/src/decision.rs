@@ -20,8 +20,7 @@
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and [`CLEAR_M`]. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
 //!
-//! Braking for an oncoming vehicle begins when the contact would otherwise be harder. An object on a row that crosses
-//! the ego's way neither warns nor brakes before the last point to steer ([`STEER_S`]).
+//! Braking for an oncoming vehicle begins when the contact would otherwise be harder.
 //!
 //! To brake for nothing costs something too: who follows may not stop in time. A contact is likely where the expected
 //! cost of not braking is the greater one:
@@ -79,9 +78,6 @@ const WANDERING_MPS: f64 = 0.8;
 const CEASES_PER_S: f64 = 0.6;
 /// Distance of its middle from the ego's axis from which something may be leaving, m. Chosen.
 const LEAVING_OFFSET_M: f64 = 0.8;
-/// Time before a contact from which an object on a row that crosses the way is braked for, s. Chosen: to move 2 m aside
-/// with 4 m/s² takes that long. A road that bends along the row would bend by then.
-const STEER_S: f64 = 1.0;
 /// Speed towards the ego from which a vehicle is oncoming, m/s. One that rolls back is slower, and does not turn off.
 const ONCOMING_MPS: f64 = 1.0;
 /// Share of what braking takes off a closing speed in a time. A delay by this time that loses as much comes too late.
@@ -166,19 +162,13 @@ impl Decision {
         self.settings.path
     }
 
-    /// Takes the objects as they are now, once in each period. `is_on_row` is asked about standing ones that the ego
-    /// would brake for.
-    pub fn step(
-        &mut self,
-        ego: &Ego,
-        objects: impl IntoIterator<Item = Object>,
-        is_on_row: impl Fn(&Object) -> bool,
-    ) -> Demand {
+    /// Takes the objects as they are now, once in each period.
+    pub fn step(&mut self, ego: &Ego, objects: impl IntoIterator<Item = Object>) -> Demand {
         let (mut worst, mut all) = (None::<Assessment>, Assessment::default());
         for object in objects {
             let found = match self.state {
                 BrakeState::Braking => self.assess_release(ego, &object),
-                _ => self.assess_threat(ego, &object, &is_on_row),
+                _ => self.assess_threat(ego, &object),
             };
             let Some(assessment) = found else { continue };
             all.brakes |= assessment.brakes;
@@ -257,12 +247,7 @@ impl Decision {
     }
 
     /// An object while the ego does not brake; `None` for what it does not come near to.
-    fn assess_threat(
-        &self,
-        ego: &Ego,
-        object: &Object,
-        is_on_row: impl Fn(&Object) -> bool,
-    ) -> Option<Assessment> {
+    fn assess_threat(&self, ego: &Ego, object: &Object) -> Option<Assessment> {
         let Settings { authority, period_s, margin_m, warning_s, .. } = &self.settings;
         let threat = self.threat(object);
         let passing = Threat { passed_m: threat.passed_m + PASS_MARGIN_M, ..threat };
@@ -271,9 +256,6 @@ impl Decision {
         let mut assessment = Assessment::of(ego, object, kept.loss);
         if kept.probability < likely(ego.speed_mps - object.speed_mps) {
             return (kept.probability > REMOTE).then_some(assessment);
-        }
-        if object.stands() && keep.first_s > STEER_S && is_on_row(object) {
-            return Some(assessment);
         }
         let is_late = |authority: &Authority, threat: &Threat, wait_s: f64| {
             let beside = authority.beside(ego, threat, Plan::Brake(wait_s), *margin_m);

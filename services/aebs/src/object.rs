@@ -1,6 +1,6 @@
 //! An object: what is known of one vehicle.
 
-use crate::circle::OwnWay;
+use crate::corridor::Corridor;
 use crate::filter::Lateral;
 
 /// Most objects that are kept.
@@ -46,9 +46,10 @@ pub struct Object {
     pub(crate) history: u32,
     /// Time since it was last seen, s.
     pub(crate) unseen_s: f64,
-    /// Distance of the way from its tangent at the ego, there, m to the left.
+    /// Distance of the corridor from the axis of the ego's body there, m to the left, and its heading, rad.
     pub(crate) bow_m: f64,
-    /// Standard deviation of the road's distance from the way there, m.
+    pub(crate) road_rad: f64,
+    /// Standard deviation of the road across the corridor there, m.
     pub(crate) way_sigma_m: f64,
 }
 
@@ -78,14 +79,16 @@ impl Object {
             history: 0,
             unseen_s: 0.0,
             bow_m: 0.0,
+            road_rad: 0.0,
             way_sigma_m: 0.0,
         }
     }
 
-    /// Takes the way that it is counted from.
-    pub(crate) fn see_along(&mut self, way: &OwnWay) {
-        self.bow_m = 0.5 * way.circle().curvature_perm * self.distance_m * self.distance_m;
-        self.way_sigma_m = way.sigma_m(self.distance_m);
+    /// Takes the corridor that it is counted from.
+    pub(crate) fn see_along(&mut self, corridor: &Corridor) {
+        self.bow_m = corridor.to_body(self.distance_m, 0.0).1;
+        self.road_rad = corridor.heading_rad(self.distance_m);
+        self.way_sigma_m = corridor.sigma_m(self.distance_m);
     }
 
     /// Number of the last `scans` in which it was seen. If only a `share` of them shows what is there, as many more
@@ -191,7 +194,7 @@ impl Object {
         begins_m.max(ends_m) > -HALF_WIDTH_M && begins_m.min(ends_m) < HALF_WIDTH_M
     }
 
-    /// Offset from the tangent of the way at the ego, m to the left. Lines of sight are straight beside it.
+    /// Offset from the axis of the ego's body, m to the left. Lines of sight are straight beside it.
     fn sight_m(&self) -> f64 {
         self.lateral.position_m + self.bow_m
     }
@@ -203,7 +206,7 @@ impl Object {
     /// it. A standing object need not point along the ego's circle: the road ahead may be straight. It shows a side
     /// for sure if it shows the same one then.
     pub(crate) fn shown_side(&self) -> Option<(f64, f64)> {
-        let aspect_m = self.lateral.position_m - self.bow_m;
+        let aspect_m = self.sight_m() - self.road_rad * self.distance_m;
         let side = aspect_m.signum();
         if self.stands() && side * self.sight_m() < 0.0 {
             return None;

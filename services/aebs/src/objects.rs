@@ -21,21 +21,21 @@
 //! The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
 //!
 //! An object counts once it was seen in three of four scans. A standing one counts after four of five. It is a threat
-//! only up to the neighbouring lanes. Beyond, it may belong to a row along which the road bends (`row`).
+//! only up to the neighbouring lanes.
 //!
 //! While the radar shows little an object has as many scans longer to be seen.
 //!
-//! On a road with curves x and y are counted along the ego's own circle and left of it ([`mod@crate::circle`]). When
-//! the circle changes, the position of every object is computed anew from it. The object stays where it is in the
-//! plane, so the estimate of the curvature makes no lateral speed.
+//! On a road with curves x and y are counted along the corridor ahead and left of it ([`mod@crate::corridor`]). When
+//! the corridor changes, the position of every object is computed anew from it. The object stays where it is in the
+//! plane, so the estimate of the road makes no lateral speed.
 
-use crate::circle::{Circle, OwnWay};
 use crate::collision_ahead::where_it_stands;
+use crate::corridor::Corridor;
 use crate::decision::Path;
 use crate::object::{MAX_OBJECTS, Object};
 use crate::point::Point;
-use crate::row;
 use crate::sighting::correct;
+use crate::way::Way;
 use messages::{Detection, MAX_DETECTIONS};
 
 /// An object reaches so far behind its nearest face, m: longer ones come out as two.
@@ -52,10 +52,6 @@ const COAST_S: f64 = 0.4;
 const BESIDE_S: f64 = 3.0;
 /// Scans in which one that does not count yet must be seen once.
 const LATELY: u32 = 2;
-/// Standing objects that were seen in this number of scans may be on a row: one false alarm may not.
-const SEEN: u32 = 2;
-/// They may be on a row up to this distance behind the bumper, m.
-const BEHIND_M: f64 = 15.0;
 
 #[derive(Clone, Debug)]
 pub struct Objects {
@@ -66,8 +62,8 @@ pub struct Objects {
     last_scan_ns: Option<i64>,
     /// A little less than the tangent of half of the field of view: its edge is not sure.
     view_tangent: f64,
-    /// The circle of the last scan.
-    circle: Circle,
+    /// The corridor of the last scan.
+    corridor: Corridor,
 }
 
 impl Objects {
@@ -79,7 +75,7 @@ impl Objects {
             own: Vec::with_capacity(MAX_DETECTIONS),
             last_scan_ns: None,
             view_tangent: half_field_of_view_rad,
-            circle: Circle::default(),
+            corridor: Corridor::default(),
         }
     }
 
@@ -97,24 +93,12 @@ impl Objects {
         self.confirmed().copied().chain(self.confirmed().flat_map(hits))
     }
 
-    /// True if a standing object at a place of the last scan is on a row that comes from beside the lane. The search
-    /// is long: it is for what the ego would brake for.
-    pub fn lead_to(&self, distance_m: f64, off_m: f64) -> bool {
-        let is_seen = |object: &&Object| {
-            let is_known = object.is_confirmed || object.history.count_ones() >= SEEN;
-            is_known && object.stands() && object.distance_m > -BEHIND_M
-        };
-        let standing = self.list.iter().filter(is_seen);
-        let places = standing.map(|object| (object.distance_m, object.lateral.position_m));
-        row::leads_to(places, (distance_m, off_m))
-    }
-
     /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps`. Places are counted
-    /// along the circle of the ego's own `way` and left of it. What is there is expected to be seen in a `share` of the
-    /// scans, 0 to 1. A scan that is not later than the last one is passed over. Allocates nothing.
+    /// along the `way` ahead and left of it. What is there is expected to be seen in a `share` of the scans, 0 to 1. A
+    /// scan that is not later than the last one is passed over. Allocates nothing.
     pub fn take_scan(
         &mut self,
-        way: &OwnWay,
+        way: &Way,
         share: f64,
         scan_ns: i64,
         ego_mps: f64,
@@ -124,9 +108,9 @@ impl Objects {
         self.turn(way, period_s, ego_mps);
         self.points.clear();
         for detection in detections {
-            if let Some(point) = Point::of(detection, ego_mps, &self.circle)
-                && !point.is_beside_the_road(way.is_curved())
-                && let Some(index) = self.object_of(&point, way)
+            if let Some(point) = Point::of(detection, ego_mps, &self.corridor)
+                && !point.is_beside_the_road()
+                && let Some(index) = self.object_of(&point)
             {
                 self.points.push((index, point));
             }
@@ -176,23 +160,26 @@ impl Objects {
         Some(period_s)
     }
 
-    /// Counts all places along the circle of the way as it is now. The ego has driven on for `period_s`, and has turned
-    /// by its yaw rate meanwhile. A standing object stays in its place in the plane.
-    fn turn(&mut self, way: &OwnWay, period_s: f64, ego_mps: f64) {
-        let circle = way.circle();
-        let before = std::mem::replace(&mut self.circle, circle);
-        let step = (ego_mps * period_s, way.yaw_rate_radps() * period_s);
+    /// Counts all places along the corridor as it is now. The ego has driven on for `period_s`, and has turned by its
+    /// yaw rate meanwhile. A standing object stays in its place in the plane.
+    fn turn(&mut self, way: &Way, period_s: f64, ego_mps: f64) {
+        if !way.is_curved() {
+            return;
+        }
+        let before = std::mem::replace(&mut self.corridor, *way.corridor());
         for object in &mut self.list {
             let off_m = object.lateral.position_m;
-            let (along_m, now_m) = before.seen_from(&circle, step, (object.distance_m, off_m));
+            let from_before_m = object.distance_m + ego_mps * period_s;
+            let place = way.passed(before.to_body(from_before_m, off_m), ego_mps, period_s);
+            let (along_m, now_m) = self.corridor.to_way(place.0, place.1);
             object.distance_m = along_m;
             object.lateral.shift(now_m - off_m);
-            object.see_along(way);
+            object.see_along(&self.corridor);
         }
     }
 
     /// Number of the object of a point; a new one if none fits. `None` if there is no room.
-    fn object_of(&mut self, point: &Point, way: &OwnWay) -> Option<usize> {
+    fn object_of(&mut self, point: &Point) -> Option<usize> {
         let cost = |object: &Object| {
             let dx = point.x_m - object.distance_m;
             let dv = (point.speed_mps - object.speed_mps).abs();
@@ -206,7 +193,7 @@ impl Objects {
         let best = fitting.min_by(|one, other| one.1.total_cmp(&other.1));
         if best.is_none() && self.list.len() < MAX_OBJECTS {
             let mut object = Object::begin(point.x_m, point.y_m, point.speed_mps);
-            object.see_along(way);
+            object.see_along(&self.corridor);
             self.list.push(object);
             return Some(self.list.len() - 1);
         }

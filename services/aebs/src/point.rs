@@ -2,12 +2,9 @@
 
 use messages::Detection;
 
-use crate::circle::Circle;
+use crate::corridor::Corridor;
 use crate::object::{ROAD_M, STANDING_MPS};
 
-/// Standing points farther off the way are left out on a road with curves, m: no row is there. On a straight road that
-/// is what stands beyond the neighbouring lanes.
-const WIDEST_M: f64 = 12.0;
 /// Standard deviation of an azimuth: of a strong echo, rad, and of one as strong as the noise.
 const AZIMUTH_SIGMA_RAD: f64 = 0.0018;
 const WEAK_SIGMA_RAD: f64 = 0.0205;
@@ -40,16 +37,16 @@ pub(crate) struct Point {
 
 impl Point {
     /// `None` for what is behind the antenna, or moves across the line of sight.
-    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: &Circle) -> Option<Self> {
+    pub(crate) fn of(detection: &Detection, ego_mps: f64, corridor: &Corridor) -> Option<Self> {
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
-        let ((x_m, y_m), road_rad) = way.place(ahead_m, left_m);
+        let ((x_m, y_m), road_rad) = corridor.place(ahead_m, left_m);
         let (road_sine, road_cosine) = libm::sincos(detection.azimuth_rad - road_rad);
         if cosine < LEAST_COSINE || road_cosine < LEAST_COSINE {
             return None;
         }
         // A standing object comes nearer with the ego's own speed along the line of sight.
-        let own_mps = ego_mps * libm::cos(detection.azimuth_rad - way.heading_rad);
+        let own_mps = ego_mps * libm::cos(detection.azimuth_rad - corridor.heading_rad(0.0));
         let speed_mps = (own_mps + detection.range_rate_mps) / road_cosine;
         let amplitude = libm::exp10(0.05 * detection.snr_db.clamp(0.0, 60.0));
         let weak = 1.0 / amplitude;
@@ -71,10 +68,9 @@ impl Point {
         })
     }
 
-    /// True if it stands too far beside the way to be of use.
-    pub(crate) fn is_beside_the_road(&self, is_curved: bool) -> bool {
-        let widest_m = if is_curved { WIDEST_M } else { ROAD_M };
-        self.y_m.abs() > widest_m && self.speed_mps.abs() < 2.0 * STANDING_MPS
+    /// True if it stands beyond the neighbouring lanes.
+    pub(crate) fn is_beside_the_road(&self) -> bool {
+        self.y_m.abs() > ROAD_M && self.speed_mps.abs() < 2.0 * STANDING_MPS
     }
 }
 

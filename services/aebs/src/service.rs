@@ -1,14 +1,13 @@
 //! The emergency brake's loop: released by the radar's detections, or by its timer when they are late.
 
-use crate::circle::OwnWay;
 use crate::decision::{Decision, Demand, Path, Settings};
-use crate::object::Object;
 use crate::objects::Objects;
 use crate::prediction::{Authority, Ego};
 use crate::report::AebsReport;
 use crate::sight::Sight;
+use crate::way::Way;
 use messages::{
-    Brake, BrakeState, Header, LateralMotion, Odometry, Origins, RadarDetections, Service,
+    Brake, BrakeState, Course, Header, LateralMotion, Odometry, Origins, RadarDetections, Service,
     ServiceState,
 };
 use runtime::statistics::Latencies;
@@ -90,27 +89,27 @@ pub fn sight(scenario: &Scenario) -> Sight {
     Sight::new(half_rad, radar.detections.standing_objects_per_km.value() >= POSTS_PER_KM)
 }
 
-/// The ego's own way on a scenario's road, before its first yaw rate.
-pub fn own_way(scenario: &Scenario) -> OwnWay {
+/// The way ahead on a scenario's road, before its first yaw rate.
+pub fn way(scenario: &Scenario) -> Way {
     if scenario.road.plan().is_none() || scenario.perception.course.sources.is_empty() {
-        return OwnWay::default();
+        return Way::default();
     }
     let keys = &scenario.plant.lateral;
     match keys.model {
         // The axles stand in the middle of the body.
-        LateralModel::SingleTrack => OwnWay::new(
+        LateralModel::SingleTrack => Way::new(
             0.5 * (keys.wheelbase_m.value() + scenario.plant.length_m.value()),
             keys.slip_rad_per_mps2.value(),
         ),
-        LateralModel::OnAxis => OwnWay::new(0.0, 0.0),
+        LateralModel::OnAxis => Way::new(0.0, 0.0),
     }
 }
 
 struct Aebs {
     odometry: Subscriber<Odometry>,
     /// Present on a road with curves.
-    lateral: Option<Subscriber<LateralMotion>>,
-    way: OwnWay,
+    road: Option<(Subscriber<LateralMotion>, Subscriber<Course>)>,
+    way: Way,
     detections: Subscriber<RadarDetections>,
     brake: Publisher<Brake>,
     objects: Objects,
@@ -126,12 +125,16 @@ struct Aebs {
 
 impl Aebs {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
-        let way = own_way(scenario);
+        let way = way(scenario);
+        let road = match way.is_curved() {
+            true => Some((runtime.subscriber()?, runtime.subscriber()?)),
+            false => None,
+        };
         let period_ns = i64::from(scenario.perception.period_ms.value()) * 1_000_000;
         let latency_ns = i64::from(scenario.perception.radar.latency_ms.value()) * 1_000_000;
         Ok(Self {
             odometry: runtime.subscriber()?,
-            lateral: way.is_curved().then(|| runtime.subscriber()).transpose()?,
+            road,
             way,
             detections: runtime.releasing_subscriber()?,
             brake: runtime.publisher()?,
@@ -154,8 +157,9 @@ impl Aebs {
         // The detections come last of all that a step makes wait for.
         runtime.update(&mut self.detections)?;
         runtime.update(&mut self.odometry)?;
-        if let Some(lateral) = &mut self.lateral {
+        if let Some((lateral, course)) = &mut self.road {
             runtime.update(lateral)?;
+            runtime.update(course)?;
         }
         let begun = monotonic_ns();
         let demand = self.demand(&release);
@@ -181,19 +185,18 @@ impl Aebs {
         let scanned_mps = scan.ego_speed_mps;
         let ego = self.ego(release, scanned_mps, age_s);
         self.sight.take_scan(scanned_ns, scan.detections());
-        if let Some(sample) = self.lateral.as_ref().and_then(Subscriber::newest) {
-            self.way.take(sample.header.acquisition_ns, sample.yaw_rate_radps, scanned_mps);
+        if let Some((lateral, course)) = &self.road {
+            if let Some(sample) = lateral.newest() {
+                self.way.take(sample.header.acquisition_ns, sample.yaw_rate_radps, scanned_mps);
+            }
+            self.way.look(scanned_ns, course.newest(), self.stale_ns);
         }
         let share = self.sight.expected_share();
         self.objects.take_scan(&self.way, share, scanned_ns, scanned_mps, scan.detections());
         let mean_mps = 0.5 * (scanned_mps + ego.speed_mps);
         let threats = self.objects.threats(self.decision.path());
         let now = threats.map(|object| object.moved_on(age_s, mean_mps));
-        let is_on_row = |object: &Object| {
-            let was_m = object.distance_m + mean_mps * age_s;
-            self.way.is_curved() && self.objects.lead_to(was_m, object.lateral.position_m)
-        };
-        Some(self.decision.step(&ego, now, is_on_row))
+        Some(self.decision.step(&ego, now))
     }
 
     /// The ego's motion by odometry. Odometry that is missing, or that does not fit what stands beside the road, is

@@ -1,8 +1,9 @@
 //! The service's part of a road with a plan: the ego's place in the plane, and the course that is sent.
 
+use std::array::from_fn;
 use std::sync::Arc;
 
-use messages::{Course, Curves, EgoPose, EgoTruth, Header, LateralMotion};
+use messages::{COURSE_CELL_M, Course, Curves, EgoPose, EgoTruth, Header, LateralMotion};
 use road::{Axis, Pose};
 use runtime::{Publisher, Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
@@ -141,6 +142,8 @@ fn write(message: &mut Course, ahead: &RoadAhead) {
     message.heading_rad = heading_rad;
     message.curvature_perm = curvature_perm;
     message.curvature_rate_perm2 = rate_perm2;
+    let middle_m = |cell: usize| (cell as f64 + 0.5) * COURSE_CELL_M;
+    message.curvatures_perm = from_fn(|cell| ahead.course().curvature_perm(middle_m(cell)));
     message.sigma_50_m = ahead.sigma_m(50.0);
     message.sigma_100_m = ahead.sigma_m(100.0);
     let is_useful = |steps: &u32| ahead.sigma_m(f64::from(steps * STEP_M)) <= USEFUL_M;

@@ -71,6 +71,8 @@ layout! {
         pub curvature_perm: f64,
         /// Change of the curvature with the way, 1/m².
         pub curvature_rate_perm2: f64,
+        /// Curvature in the middle of each cell ahead, the first one from the bumper on, positive to the left.
+        pub curvatures_perm: [f64; COURSE_CELLS],
         /// Standard deviation of the course's lateral place 50 m ahead, m.
         pub sigma_50_m: f64,
         /// Standard deviation of the course's lateral place 100 m ahead, m.
@@ -83,6 +85,10 @@ layout! {
         pub trail_points: u32,
     }
 }
+
+/// Cells of the course ahead, and their length, m.
+pub const COURSE_CELLS: usize = 15;
+pub const COURSE_CELL_M: f64 = 10.0;
 
 /// Most cells of a map of curves: 2 km in cells of 25 m.
 pub const MAX_CURVE_CELLS: usize = 80;

@@ -156,7 +156,7 @@ topics! { $
     16 LateralMotion "vehicle/lateral" Function, [Plant] to [PerceptionSim, Controller, Aebs];
     17 EgoPose "truth/pose" Truth, [Plant] to [PerceptionSim, V2xSim];
     18 VehiclePoses "truth/poses" Truth, [PerceptionSim] to [Plant];
-    19 Course "radar/course" Function, [PerceptionSim] to [Controller];
+    19 Course "radar/course" Function, [PerceptionSim] to [Controller, Aebs];
     20 Curves "v2x/curves" Function, [V2xSim] to [Controller, PerceptionSim];
     /// Sent where the scenario has more than eight vehicles beside the ego.
     21 MoreVehicles "truth/more_vehicles" Truth, [PerceptionSim] to [Plant];

@@ -1,6 +1,7 @@
 //! Hidden and shown sides and motion of an object, by places computed by hand.
 
 use super::*;
+use crate::corridor::Spread;
 
 /// A car, 4.3 m long, that stands at a place.
 fn stands(distance_m: f64, off_m: f64) -> Object {
@@ -92,21 +93,24 @@ fn a_side_shows_beside_the_line_of_sight() {
     let (side, shown_m) = shown(stands(40.0, -3.5)).expect("its left side");
     assert!(side == -1.0 && (shown_m + 2.6).abs() < 1e-6);
     // On a left curve a lead in the middle is right of the line of sight.
-    let lead = Object { bow_m: 3.0, ..Object::at(40.0, 10.0, 0.0, 0.0) };
+    let bend = |object: Object, bow_m: f64| {
+        // Half of the turn is seen as a bow.
+        Object { bow_m, road_rad: 2.0 * bow_m / object.distance_m, ..object }
+    };
+    let lead = bend(Object::at(40.0, 10.0, 0.0, 0.0), 3.0);
     let (side, shown_m) = shown(lead).expect("its left side");
     assert!(side == -1.0 && (shown_m - 0.9).abs() < 1e-6);
     // A standing object there may point along a straight road: it shows the other side then.
-    assert_eq!(shown(Object { bow_m: 3.0, ..stands(40.0, 0.0) }), None);
-    assert!(shown(Object { bow_m: 1.0, ..stands(40.0, 3.5) }).is_some(), "the same side both ways");
+    assert_eq!(shown(bend(stands(40.0, 0.0), 3.0)), None);
+    assert!(shown(bend(stands(40.0, 3.5), 1.0)).is_some(), "the same side both ways");
 }
 
 #[test]
-fn a_way_bows_by_half_of_its_curvature_and_the_square_of_the_distance() {
+fn a_corridor_bows_by_half_of_its_curvature_and_the_square_of_the_distance() {
     let mut object = stands(40.0, 0.0);
-    let mut way = OwnWay::new(0.0, 0.0);
-    way.take(0, 0.1, 20.0);
-    object.see_along(&way);
-    assert!((object.bow_m - 4.0).abs() < 1e-9);
+    object.see_along(&Corridor::circle(0.005, 0.0, Spread { at_50_m: 0.375, power: 2.0 }));
+    assert!((object.bow_m - 4.0).abs() < 0.02, "{object:?}");
+    assert!((object.road_rad - 0.2).abs() < 1e-9);
     assert!((object.way_sigma_m - 0.24).abs() < 1e-9);
 }
 

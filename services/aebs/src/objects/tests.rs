@@ -24,7 +24,7 @@ fn follow(objects: &mut Objects, scans: i64, x: impl Fn(f64) -> f64, y: impl Fn(
         let relative_mps = (x(t + 1e-6) - x(t)) / 1e-6;
         let points = [(0.0, 0.0), (0.0, 0.9), (0.0, -0.9), (0.8, 0.9), (3.4, 0.9)];
         let list = points.map(|(dx, dy)| detection(x(t) + dx, y(t) + dy, relative_mps));
-        objects.take_scan(&OwnWay::default(), 1.0, k * PERIOD_NS, ego_mps, &list);
+        objects.take_scan(&Way::default(), 1.0, k * PERIOD_NS, ego_mps, &list);
     }
 }
 
@@ -87,7 +87,7 @@ fn scattered_false_alarms_become_nothing() {
     };
     for k in 0..20_000 {
         let scattered = detection(150.0 * random(), 20.0 * random() - 10.0, 60.0 * random() - 50.0);
-        objects.take_scan(&OwnWay::default(), 1.0, k * PERIOD_NS, 25.0, &[scattered]);
+        objects.take_scan(&Way::default(), 1.0, k * PERIOD_NS, 25.0, &[scattered]);
         assert_eq!(objects.confirmed().count(), 0, "scan {k}");
     }
 }
@@ -97,10 +97,10 @@ fn an_object_out_of_sight_is_kept_for_a_while_and_then_dropped() {
     let mut objects = Objects::new(HALF_FIELD_RAD);
     follow(&mut objects, 20, |t| 40.0 - 5.0 * t, |_| 0.0);
     for k in 20..28 {
-        objects.take_scan(&OwnWay::default(), 1.0, k * PERIOD_NS, 20.0, &[]);
+        objects.take_scan(&Way::default(), 1.0, k * PERIOD_NS, 20.0, &[]);
         assert_eq!(objects.confirmed().count(), 1, "scan {k}");
     }
-    objects.take_scan(&OwnWay::default(), 1.0, 29 * PERIOD_NS, 20.0, &[]);
+    objects.take_scan(&Way::default(), 1.0, 29 * PERIOD_NS, 20.0, &[]);
     assert_eq!(objects.confirmed().count(), 0);
 }
 
@@ -117,7 +117,7 @@ fn an_object_beside_the_ego_and_out_of_sight_is_carried_on() {
             .into_iter()
             .filter(|detection| detection.azimuth_rad.abs() < HALF_FIELD_RAD)
             .collect();
-        objects.take_scan(&OwnWay::default(), 1.0, k * PERIOD_NS, 20.0, &list);
+        objects.take_scan(&Way::default(), 1.0, k * PERIOD_NS, 20.0, &list);
         let kept = objects.confirmed().next();
         if k >= 3 && x(t) > -4.0 {
             let object = kept.unwrap_or_else(|| panic!("it is lost at {} m", x(t)));
@@ -142,7 +142,7 @@ fn a_long_vehicle_beside_the_path_stays_beside_it_along_all_of_its_side() {
             |detection: &Detection| detection.range_m > 0.5 && detection.azimuth_rad.abs() < 0.5;
         list.extend(side.map(|place| detection(x_m + 0.9 + 3.2 * f64::from(place), 2.6, -24.0)));
         list.retain(ahead);
-        objects.take_scan(&OwnWay::default(), 1.0, i64::from(k) * PERIOD_NS, 29.0, &list);
+        objects.take_scan(&Way::default(), 1.0, i64::from(k) * PERIOD_NS, 29.0, &list);
         let seen = objects.confirmed().filter(|object| k > 20 && object.unseen_s == 0.0);
         worst_m = seen.fold(worst_m, |worst, object| worst.min(object.lateral.position_m));
     }
@@ -166,7 +166,7 @@ fn an_object_half_hidden_by_a_leaving_lead_is_in_the_middle_of_the_path() {
         let places = [(0.0, -0.95), (0.0, 0.0), (0.0, 0.95)];
         let mut list: Vec<_> = places.map(|(dx, dy)| detection(40.0 + dx, y_m + dy, 0.0)).to_vec();
         list.extend(uncovered(x_m, -20.0, (40.0, y_m)));
-        objects.take_scan(&OwnWay::default(), 1.0, i64::from(k) * PERIOD_NS, 20.0, &list);
+        objects.take_scan(&Way::default(), 1.0, i64::from(k) * PERIOD_NS, 20.0, &list);
     }
     let object = objects.confirmed().find(|object| object.stands()).expect("it is seen");
     // Only its right corner and its middle were.
@@ -185,7 +185,7 @@ fn a_standing_queue_beside_the_lane_stays_there() {
         let noise_m = [0.5, -0.4, 0.3, -0.5, 0.1][k as usize % 5] * x_m / 90.0;
         let places = [(0.0, 2.6), (0.0, 3.5), (0.9, 2.6), (3.6, 2.6)];
         let list = places.map(|(dx, y_m)| detection(x_m + dx, y_m + noise_m, -20.0));
-        objects.take_scan(&OwnWay::default(), 1.0, i64::from(k) * PERIOD_NS, 20.0, &list);
+        objects.take_scan(&Way::default(), 1.0, i64::from(k) * PERIOD_NS, 20.0, &list);
     }
     let object = objects.confirmed().next().expect("it is followed");
     assert!((object.lateral.position_m - 3.5).abs() < 0.2, "{object:?}");
@@ -199,7 +199,7 @@ fn counts_from(share: f64) -> Option<i64> {
         let x_m = 90.0 - 0.4 * *k as f64;
         let list = [detection(x_m, 0.2, -8.0)];
         let seen = if k % 7 == 0 { &list[..] } else { &[] };
-        objects.take_scan(&OwnWay::default(), share, k * PERIOD_NS, 8.0, seen);
+        objects.take_scan(&Way::default(), share, k * PERIOD_NS, 8.0, seen);
         objects.confirmed().next().is_some()
     })
 }
@@ -215,7 +215,7 @@ fn a_radar_that_shows_little_is_given_time() {
 /// another circle.
 mod in_curves {
     use super::*;
-    use crate::circle::{Circle, OwnWay};
+    use crate::corridor::{Corridor, Spread};
 
     const EGO_MPS: f64 = 20.0;
 
@@ -233,12 +233,13 @@ mod in_curves {
     fn drive(
         radius_m: f64,
         scans: i64,
-        scan: impl Fn(f64, &Circle) -> Vec<Detection>,
-    ) -> (Objects, OwnWay) {
-        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(0.0, 0.0));
+        scan: impl Fn(f64, &Corridor) -> Vec<Detection>,
+    ) -> (Objects, Way) {
+        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), Way::new(0.0, 0.0));
         for k in 0..scans {
             way.take(k * PERIOD_NS, EGO_MPS / radius_m, EGO_MPS);
-            let mut list = scan(k as f64 * 0.05, &way.circle());
+            way.look(k * PERIOD_NS, None, 0);
+            let mut list = scan(k as f64 * 0.05, way.corridor());
             list.sort_by(|a, b| a.range_m.total_cmp(&b.range_m));
             objects.take_scan(&way, 1.0, k * PERIOD_NS, EGO_MPS, &list);
         }
@@ -254,7 +255,7 @@ mod in_curves {
                 let of_car = |(dx, dy): (f64, f64)| {
                     let (x_m, y_m) = circle.to_body(along_m + dx, lane_m + dy);
                     let speed_mps = EGO_MPS - 5.0;
-                    seen(x_m, y_m, speed_mps, circle.heading_rad + circle.curvature_perm * along_m)
+                    seen(x_m, y_m, speed_mps, circle.heading_rad(along_m))
                 };
                 places.map(of_car).to_vec()
             });
@@ -271,7 +272,7 @@ mod in_curves {
     #[test]
     fn a_standing_object_keeps_its_place_while_the_ego_steers_into_a_curve() {
         // The ego drives straight for 1 s, and then with a radius of 250 m. The steps are 1 ms, by dead reckoning.
-        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(0.0, 0.0));
+        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), Way::new(0.0, 0.0));
         let (car_x_m, car_y_m) = (75.0, 4.0);
         let (mut x_m, mut y_m, mut heading_rad) = (0.0, 0.0, 0.0_f64);
         for k in 0..2000 {
@@ -284,11 +285,12 @@ mod in_curves {
                 let (dx, dy) = (car_x_m - x_m, car_y_m - y_m);
                 let (ahead_m, left_m) = (dx * cosine + dy * sine, dy * cosine - dx * sine);
                 let list = [seen(ahead_m, left_m, 0.0, 0.0)];
+                way.look(k * 1_000_000, None, 0);
                 objects.take_scan(&way, 1.0, k * 1_000_000, EGO_MPS, &list);
                 if k > 500 {
                     let object = objects.confirmed().next().expect("it is followed");
                     let (body_x_m, body_y_m) =
-                        way.circle().to_body(object.distance_m, object.lateral.position_m);
+                        way.corridor().to_body(object.distance_m, object.lateral.position_m);
                     assert!((body_x_m - ahead_m).abs() < 0.3, "{k}: {object:?} {ahead_m}");
                     assert!((body_y_m - left_m).abs() < 0.3, "{k}: {object:?} {left_m}");
                     assert!(object.lateral.rate_mps.abs() < 1e-3, "{k}: {object:?}");
@@ -301,46 +303,34 @@ mod in_curves {
         }
     }
 
-    /// True if standing objects in the way are on a row, before a curve of `radius_m` that begins in `begin_m`.
-    fn rows_before_a_curve(radius_m: f64, begin_m: f64, standing: &[(f64, f64)]) -> Vec<bool> {
-        let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
-        let (objects, _) = drive(1e9, 12, |time_s, _| {
-            let way_m = EGO_MPS * time_s;
-            let placed = standing.iter().map(|(along_m, off_m)| {
-                let beyond_m = (along_m - begin_m).max(0.0);
-                let (x_m, y_m) = curve.to_body(beyond_m, *off_m);
-                (along_m.min(begin_m) + x_m - way_m, y_m)
-            });
-            let ahead = placed.filter(|(x_m, y_m)| *x_m > 0.0 && (y_m / x_m).abs() < 0.5);
-            ahead.map(|(x_m, y_m)| seen(x_m, y_m, 0.0, 0.0)).collect()
-        });
-        let in_way = objects.confirmed().filter(|object| object.lateral.position_m.abs() < 1.9);
-        in_way.map(|object| objects.lead_to(object.distance_m, object.lateral.position_m)).collect()
+    /// A queue before a curve of 250 m that begins in 30 m: the places that stand in the corridor's lane.
+    fn in_lane_before_a_curve(off_m: f64) -> Vec<f64> {
+        let cells = std::array::from_fn(|cell| if cell < 3 { 0.0 } else { 1.0 / 250.0 });
+        let mut objects = Objects::new(HALF_FIELD_RAD);
+        let mut way = Way::new(0.0, 0.0);
+        for k in 0..12 {
+            let driven_m = EGO_MPS * 0.05 * k as f64;
+            let road = Corridor::of_cells(&cells, driven_m, 0.0, Spread::default());
+            let mut course: messages::Course = bytemuck::Zeroable::zeroed();
+            course.header.acquisition_ns = 0;
+            course.curvatures_perm = cells;
+            (course.sigma_50_m, course.sigma_100_m, course.valid_m) = (0.2, 0.5, 150.0);
+            way.take(k * PERIOD_NS, 0.0, EGO_MPS);
+            way.look(k * PERIOD_NS, Some(&course), i64::MAX);
+            let places = (0..8).map(|car| 28.0 + 8.0 * f64::from(car) - driven_m);
+            let places = places.map(|along_m| road.to_body(along_m, off_m));
+            let list: Vec<_> = places.map(|(x_m, y_m)| seen(x_m, y_m, 0.0, 0.0)).collect();
+            objects.take_scan(&way, 1.0, k * PERIOD_NS, EGO_MPS, &list);
+        }
+        let offs_m = objects.confirmed().map(|object| object.lateral.position_m);
+        offs_m.filter(|off_m| off_m.abs() < 1.9).collect()
     }
 
     #[test]
-    fn a_queue_beside_a_curve_ahead_is_on_a_row_and_one_in_the_lane_is_not() {
-        let queue = |first_m: f64, off_m: f64| -> Vec<(f64, f64)> {
-            (0..8).map(|k| (first_m + 8.0 * f64::from(k), off_m)).collect()
-        };
-        let beside = rows_before_a_curve(250.0, 30.0, &queue(28.0, -3.5));
-        assert!(!beside.is_empty() && beside.iter().all(|on_row| *on_row), "{beside:?}");
-        let ahead = rows_before_a_curve(250.0, 30.0, &queue(60.0, 0.0));
-        assert!(!ahead.is_empty() && !ahead[0], "{ahead:?}");
-    }
-
-    #[test]
-    fn a_row_that_was_seen_once_is_no_row() {
-        let row = |way_m: f64| {
-            let along = (0..8).map(|k| 5.0 + 8.0 * f64::from(k));
-            let at = |x_m: f64| seen(x_m - way_m, x_m * x_m / 500.0 - 3.5, 0.0, 0.0);
-            along.map(at).collect::<Vec<_>>()
-        };
-        let led_after = |scans: i64| {
-            let (objects, _) = drive(1e9, scans, |time_s, _| row(EGO_MPS * time_s));
-            objects.lead_to(45.0 - EGO_MPS * 0.05 * (scans - 1) as f64, 0.55)
-        };
-        assert!(!led_after(1) && led_after(3));
+    fn a_queue_beside_a_curve_ahead_is_beside_the_corridor_and_one_in_the_lane_is_in_it() {
+        assert!(in_lane_before_a_curve(-3.5).is_empty());
+        let in_lane = in_lane_before_a_curve(0.0);
+        assert!(in_lane.len() == 8 && in_lane.iter().all(|off_m| off_m.abs() < 0.5), "{in_lane:?}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A detection's place, speed and accuracy, computed by hand.
 
 use super::*;
+use crate::corridor::Spread;
 
 fn detection(range_m: f64, azimuth_rad: f64, range_rate_mps: f64, snr_db: f64) -> Detection {
     Detection { range_m, azimuth_rad, range_rate_mps, snr_db, ..bytemuck::Zeroable::zeroed() }
@@ -8,7 +9,7 @@ fn detection(range_m: f64, azimuth_rad: f64, range_rate_mps: f64, snr_db: f64) -
 
 /// The point of a detection of an ego with 20 m/s on a straight road.
 fn point_of(detection: &Detection) -> Option<Point> {
-    Point::of(detection, 20.0, &Circle::default()).filter(|point| !point.is_beside_the_road(false))
+    Point::of(detection, 20.0, &Corridor::default()).filter(|point| !point.is_beside_the_road())
 }
 
 #[track_caller]
@@ -43,12 +44,12 @@ fn a_point_on_a_straight_has_the_accuracy_of_its_echo() {
 
 #[test]
 fn along_a_circle_a_place_and_its_speed_count_by_the_road_there() {
-    let way = Circle { curvature_perm: 1.0 / 250.0, heading_rad: 0.01 };
+    let way = Corridor::circle(1.0 / 250.0, 0.01, Spread::default());
     for (along_m, off_m) in [(40.0, 0.0), (60.0, 3.0), (60.0, -3.0)] {
         let (x_m, y_m) = way.to_body(along_m, off_m);
         let (range_m, azimuth_rad) = (libm::hypot(x_m, y_m), libm::atan2(y_m, x_m));
         // It drives along the road with 12 m/s, the ego with 20 along its way.
-        let road_rad = way.heading_rad + way.curvature_perm * along_m;
+        let road_rad = way.heading_rad(along_m);
         let rate_mps =
             12.0 * libm::cos(azimuth_rad - road_rad) - 20.0 * libm::cos(azimuth_rad - 0.01);
         let echo = detection(range_m, azimuth_rad, rate_mps, 25.0);

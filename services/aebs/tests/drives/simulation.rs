@@ -150,14 +150,14 @@ pub fn drive(drive: &Drive) -> Result {
             );
             let received = radar.scan(None, &scene, &mut detections);
             objects.take_scan(
-                &aebs::own_way(&scenario),
+                &aebs::way(&scenario),
                 1.0,
                 step as i64 * STEP_NS,
                 ego.speed_mps,
                 &detections[..received.count],
             );
             let own = OwnMotion { speed_mps: ego.speed_mps, acceleration_mps2: acceleration };
-            let demand = decision.step(&own, objects.threats(decision.path()), |_| false);
+            let demand = decision.step(&own, objects.threats(decision.path()));
             asks = demand.deceleration_mps2 > 0.0;
             if asks && !result.braked && demand.state == BrakeState::Braking {
                 result.braked = true;

@@ -1,0 +1,186 @@
+//! The corridor that the ego is about to sweep, as a chain of arcs.
+//!
+//! A point (x, y) of the *body* counts from the middle of the front bumper: x along the body, y to the left. It becomes
+//! (σ, d): the length along the corridor's middle and the distance left of it. In the axes at the begin of an arc of
+//! curvature κ, with the circle's centre at (0, 1/κ):
+//!
+//! ```text
+//! q = κ (x² + y²) - 2 y
+//! d = -q / (1 + √(1 + κ q))
+//! σ = atan2(κ x, 1 - κ y) / κ
+//! ```
+//!
+//! which is (x, y) where κ = 0. The first arc goes on behind the bumper, and the last one ahead. A chain of one arc is
+//! a circle.
+//!
+//! The standard deviation of the road across the corridor grows with a power of the distance: 1 as of an error of its
+//! heading, 2 as of an error of its curvature.
+//!
+//! ```
+//! use aebs::corridor::{Corridor, Spread};
+//!
+//! let circle = Corridor::circle(1.0 / 250.0, 0.0, Spread::default());
+//! let (x_m, y_m) = circle.to_body(60.0, -3.5);
+//! let (along_m, off_m) = circle.to_way(x_m, y_m);
+//! assert!((along_m - 60.0).abs() < 1e-9 && (off_m + 3.5).abs() < 1e-9);
+//! ```
+
+use messages::{COURSE_CELL_M, COURSE_CELLS};
+
+/// Distance at which a spread is given, m.
+const SPREAD_AT_M: f64 = 50.0;
+
+/// Standard deviation of the road's place across the corridor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// That 50 m ahead, m.
+    pub at_50_m: f64,
+    /// It grows with this power of the distance.
+    pub power: f64,
+}
+
+impl Spread {
+    /// The spread of a road whose curvature deviates by `sigma_perm` from that of the corridor.
+    pub(crate) fn of_curvature(sigma_perm: f64) -> Self {
+        Self { at_50_m: 0.5 * sigma_perm * SPREAD_AT_M * SPREAD_AT_M, power: 2.0 }
+    }
+
+    /// The spread through two values, 50 m and 100 m ahead.
+    pub(crate) fn through(at_50_m: f64, at_100_m: f64) -> Self {
+        Self { at_50_m, power: libm::log2(at_100_m / at_50_m).clamp(1.0, 2.0) }
+    }
+
+    /// The deviation of a curvature from the ego on that would spread as much, 1/m.
+    pub(crate) fn curvature_sigma_perm(self) -> f64 {
+        2.0 * self.at_50_m / (SPREAD_AT_M * SPREAD_AT_M)
+    }
+
+    fn at_m(self, along_m: f64) -> f64 {
+        self.at_50_m * libm::pow(along_m.max(0.0) / SPREAD_AT_M, self.power)
+    }
+}
+
+/// An arc, from its begin in the axes of the body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Arc {
+    from_m: f64,
+    x_m: f64,
+    y_m: f64,
+    heading_rad: f64,
+    curvature_perm: f64,
+}
+
+/// A corridor through the middle of the ego's front bumper.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Corridor {
+    arcs: [Arc; COURSE_CELLS],
+    /// Arcs behind the first one.
+    more: usize,
+    spread: Spread,
+}
+
+/// A vector in axes that are turned to the left by `rad`.
+fn seen_turned((x_m, y_m): (f64, f64), rad: f64) -> (f64, f64) {
+    let (sine, cosine) = libm::sincos(rad);
+    (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine)
+}
+
+impl Arc {
+    /// A point of the body in the axes at its begin.
+    fn seen(&self, (x_m, y_m): (f64, f64)) -> (f64, f64) {
+        seen_turned((x_m - self.x_m, y_m - self.y_m), self.heading_rad)
+    }
+
+    /// The point of the body that is `along_m` from its begin, and `off_m` left of it.
+    fn place(&self, along_m: f64, off_m: f64) -> (f64, f64) {
+        let half_rad = 0.5 * self.curvature_perm * along_m;
+        // A chord has the heading of half of its turn.
+        let chord_m =
+            if half_rad == 0.0 { along_m } else { along_m * libm::sin(half_rad) / half_rad };
+        let (x_m, y_m) = seen_turned((0.0, off_m), -half_rad);
+        let (x_m, y_m) = seen_turned((chord_m + x_m, y_m), -half_rad - self.heading_rad);
+        (self.x_m + x_m, self.y_m + y_m)
+    }
+
+    fn heading_rad(&self, along_m: f64) -> f64 {
+        self.heading_rad + self.curvature_perm * along_m
+    }
+}
+
+impl Corridor {
+    /// A circle that leaves the bumper with a heading, rad to the left of the body.
+    pub fn circle(curvature_perm: f64, heading_rad: f64, spread: Spread) -> Self {
+        let mut corridor = Self { spread, ..Self::default() };
+        corridor.arcs[0] = Arc { heading_rad, curvature_perm, ..Arc::default() };
+        corridor
+    }
+
+    /// The corridor of cells of a length, each with its curvature. The ego has driven `driven_m` since the begin of the
+    /// first cell, and leaves the bumper with a heading.
+    pub(crate) fn of_cells(
+        cells_perm: &[f64; COURSE_CELLS],
+        driven_m: f64,
+        heading_rad: f64,
+        spread: Spread,
+    ) -> Self {
+        let first = ((driven_m / COURSE_CELL_M) as usize).min(COURSE_CELLS - 1);
+        let mut corridor = Self::circle(cells_perm[first], heading_rad, spread);
+        for (cell, curvature_perm) in cells_perm.iter().enumerate().skip(first + 1) {
+            let before = &corridor.arcs[corridor.more];
+            let from_m = cell as f64 * COURSE_CELL_M - driven_m;
+            let length_m = from_m - before.from_m;
+            let (x_m, y_m) = before.place(length_m, 0.0);
+            let heading_rad = before.heading_rad(length_m);
+            corridor.more += 1;
+            corridor.arcs[corridor.more] =
+                Arc { from_m, x_m, y_m, heading_rad, curvature_perm: *curvature_perm };
+        }
+        corridor
+    }
+
+    /// Length along the corridor and distance left of it, m, of a point of the body.
+    pub fn to_way(&self, x_m: f64, y_m: f64) -> (f64, f64) {
+        self.place(x_m, y_m).0
+    }
+
+    /// The same, and the corridor's heading there, rad to the left of the body.
+    pub(crate) fn place(&self, x_m: f64, y_m: f64) -> ((f64, f64), f64) {
+        let behind = self.arcs[1..=self.more].iter();
+        let begun = behind.take_while(|arc| arc.seen((x_m, y_m)).0 > 0.0).count();
+        let arc = &self.arcs[begun];
+        let (x_m, y_m) = arc.seen((x_m, y_m));
+        let k = arc.curvature_perm;
+        if k == 0.0 {
+            return ((arc.from_m + x_m, y_m), arc.heading_rad);
+        }
+        let q_m = k * (x_m * x_m + y_m * y_m) - 2.0 * y_m;
+        let root = (1.0 + k * q_m).max(0.0).sqrt();
+        let turn_rad = libm::atan2(k * x_m, 1.0 - k * y_m);
+        ((arc.from_m + turn_rad / k, -q_m / (1.0 + root)), arc.heading_rad + turn_rad)
+    }
+
+    /// The point of the body that is `along_m` along the corridor and `off_m` left of it.
+    pub fn to_body(&self, along_m: f64, off_m: f64) -> (f64, f64) {
+        let arc = self.arc_at(along_m);
+        arc.place(along_m - arc.from_m, off_m)
+    }
+
+    /// Its heading at a distance ahead, rad to the left of the body.
+    pub(crate) fn heading_rad(&self, along_m: f64) -> f64 {
+        let arc = self.arc_at(along_m);
+        arc.heading_rad(along_m - arc.from_m)
+    }
+
+    /// Standard deviation of the road across it at a distance ahead, m; 0 on a straight road.
+    pub(crate) fn sigma_m(&self, along_m: f64) -> f64 {
+        self.spread.at_m(along_m)
+    }
+
+    fn arc_at(&self, along_m: f64) -> &Arc {
+        let behind = self.arcs[1..=self.more].iter();
+        &self.arcs[behind.take_while(|arc| arc.from_m < along_m).count()]
+    }
+}
+
+#[cfg(test)]
+mod tests;
