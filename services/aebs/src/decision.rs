@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | [`BrakeState::Monitoring`] | at the start | |
 //! | [`BrakeState::Warning`] | as braking, with braking that begins `warning_s` later | no such threat |
-//! | [`BrakeState::Braking`] | a contact is likely, braking makes it less likely or milder, and one cycle later it may leave less than the margin | letting go is safe, or surely passes; the ego stands |
+//! | [`BrakeState::Braking`] | in two scans a contact is likely, braking makes it less likely or milder, and one cycle later it may leave less than the margin | letting go is safe, or surely passes; the ego stands |
 //! | [`BrakeState::Holding`] | the ego stands after braking | after [`HOLD_S`] |
 //!
 //! The margin is computed with less than the brakes' authority ([`COUNTED_ON_MPS2`]). The rest is the reserve for
@@ -53,6 +53,8 @@ const ANSWER_MPS2: f64 = 2.5;
 const LEAD_MAY_BRAKE_MPS2: f64 = 4.0;
 /// Time until the braking of a lead is known, s. Found: the objects show hard braking within it (objects/tests.rs).
 const NOTICES_S: f64 = 0.25;
+/// Scans that must ask for braking, one after the other. Chosen: the errors of one scan alone do not brake.
+const CONFIRMS: f64 = 2.0;
 /// Distance beyond the margin at which the ego is clear without brakes, m. Chosen: five standard deviations of a range.
 const CLEAR_M: f64 = 0.5;
 /// A pass that leaves less than this behind it counts as a contact, m. Chosen: as much as the end of a vehicle is
@@ -116,6 +118,8 @@ pub struct Demand {
 pub struct Decision {
     settings: Settings,
     state: BrakeState,
+    /// The last scan asked for braking.
+    asks: bool,
     /// Time in [`BrakeState::Holding`], or without a threat while braking, s.
     waited_s: f64,
     /// Hardest acceleration of a threat in this intervention, m/s², at most 0.
@@ -151,15 +155,11 @@ fn likely(closing_mps: f64) -> f64 {
 impl Decision {
     pub fn new(settings: Settings) -> Self {
         let state = BrakeState::Monitoring;
-        Self { settings, state, waited_s: 0.0, hardest_mps2: 0.0 }
+        Self { settings, state, asks: false, waited_s: 0.0, hardest_mps2: 0.0 }
     }
 
     pub fn state(&self) -> BrakeState {
         self.state
-    }
-
-    pub fn path(&self) -> Path {
-        self.settings.path
     }
 
     /// Takes the objects as they are now, once in each period.
@@ -185,10 +185,11 @@ impl Decision {
             BrakeState::Braking if worst.is_none() && waited_s < UNSEEN_S => BrakeState::Braking,
             BrakeState::Braking if all.holds_on => BrakeState::Braking,
             BrakeState::Holding if waited_s < HOLD_S => BrakeState::Holding,
-            _ if all.brakes => BrakeState::Braking,
+            _ if all.brakes && self.asks => BrakeState::Braking,
             _ if all.warns => BrakeState::Warning,
             _ => BrakeState::Monitoring,
         };
+        self.asks = all.brakes;
         let waits = worst.is_none() || before == BrakeState::Holding && !all.brakes;
         self.waited_s = if waits && self.state == before { waited_s } else { 0.0 };
         let of_worst_mps2 = worst.map_or(0.0, |worst| worst.acceleration_mps2.min(0.0));
@@ -254,7 +255,8 @@ impl Decision {
         let keep = authority.beside(ego, &passing, Plan::Keep, 0.0)?;
         let kept = self.contact(object, Some(keep));
         let mut assessment = Assessment::of(ego, object, kept.loss);
-        if kept.probability < likely(ego.speed_mps - object.speed_mps) {
+        // What was not seen lately may be gone: two echoes that were one are two again.
+        if !object.is_seen || kept.probability < likely(ego.speed_mps - object.speed_mps) {
             return (kept.probability > REMOTE).then_some(assessment);
         }
         let is_late = |authority: &Authority, threat: &Threat, wait_s: f64| {
@@ -274,7 +276,7 @@ impl Decision {
         let share = if kept.probability > CERTAIN { 1.0 } else { BETTER_SHARE };
         let braked = || authority.beside(ego, &threat, Plan::Brake(0.0), 0.0);
         assessment.brakes =
-            late(*period_s) && self.contact(object, braked()).loss < share * kept.loss;
+            late(CONFIRMS * *period_s) && self.contact(object, braked()).loss < share * kept.loss;
         assessment.warns = assessment.brakes || late(*period_s + *warning_s);
         Some(assessment)
     }
@@ -313,7 +315,7 @@ impl Decision {
             let touches = overlap(reach_m, (offset_m - moved_m).max(0.0), sigma_m);
             let wanders = (1.0 - h.rate_mps.abs() / WANDERING_MPS).max(0.0);
             let goes_on = libm::exp(-CEASES_PER_S * wanders * in_s.max(0.0));
-            let probability = object.probability * h.probability * touches * goes_on;
+            let probability = h.probability * touches * goes_on;
             contact.probability += probability;
             contact.loss += probability * (1.0 + beside.closing_mps(in_s).abs() / SEVERE_MPS);
         }

@@ -17,8 +17,6 @@ pub(crate) const OVERHANG_M: f64 = 0.9;
 const SIDE_SHOWS_M: f64 = 0.15;
 /// Distance over which a reflecting place is at the edge of the field of view, m.
 const BLIND_MARGIN_M: f64 = 0.5;
-/// Places that reflect on a side are at most this far apart, m: about the wheelbase of a lorry.
-const PLACES_M: f64 = 4.0;
 /// Standard deviation of the middle of a vehicle of which one point is known, m.
 pub(crate) const FIRST_SIGMA_M: f64 = 0.7;
 /// Distance of what reflects on a side from the middle, m.
@@ -38,10 +36,8 @@ pub struct Object {
     /// Its length as far as it was seen, m.
     pub length_m: f64,
     pub is_confirmed: bool,
-    /// Probability that it is there.
-    pub probability: f64,
-    /// The side on which its face is behind a nearer object, 1 left, -1 right, or 0: neither.
-    pub(crate) hidden_side: f64,
+    /// It was seen lately.
+    pub is_seen: bool,
     /// Bits of the last scans in which it was seen, the newest in the lowest bit.
     pub(crate) history: u32,
     /// Time since it was last seen, s.
@@ -74,8 +70,7 @@ impl Object {
             lateral: Lateral::first(y_m, FIRST_SIGMA_M),
             length_m: LEAST_LENGTH_M,
             is_confirmed: false,
-            probability: 1.0,
-            hidden_side: 0.0,
+            is_seen: true,
             history: 0,
             unseen_s: 0.0,
             bow_m: 0.0,
@@ -148,52 +143,6 @@ impl Object {
         surely_m > 0.0 && off_m < surely_m * view_tangent
     }
 
-    /// The side on which `nearer` hides its face, 1 left, -1 right, or 0: neither.
-    ///
-    /// That is the outer side where the line to its middle passes through `nearer`. It is also that side where the line
-    /// continues as the side of `nearer` ends. A long vehicle comes out as several objects. Otherwise it is the side of
-    /// the one corner to which the line passes through `nearer`. This holds only for an object that is in the ego's
-    /// path already. One beside the path may be seen as a whole, although it seems to reach behind what is in the path.
-    pub(crate) fn side_hidden_by(&self, nearer: &Self) -> f64 {
-        let middle_m = self.lateral.position_m;
-        let end_m = nearer.distance_m + nearer.length_m;
-        if nearer.distance_m + BLIND_MARGIN_M >= self.distance_m || end_m + PLACES_M < 0.0 {
-            return 0.0;
-        }
-        let goes_on = self.distance_m - end_m < PLACES_M
-            && (middle_m - nearer.lateral.position_m).abs() < 2.0 * HALF_WIDTH_M
-            && (self.speed_mps - nearer.speed_mps).abs() < STANDING_MPS;
-        if goes_on || nearer.hides(self.distance_m, self.sight_m()) {
-            return self.shown_side().map_or_else(|| self.side_towards(nearer), |(side, _)| side);
-        }
-        if middle_m.abs() > 2.0 * HALF_WIDTH_M {
-            return 0.0;
-        }
-        let is_hidden = |side: f64| nearer.hides(self.distance_m, self.sight_m() + side * SIDE_M);
-        f64::from(is_hidden(1.0)) - f64::from(is_hidden(-1.0))
-    }
-
-    /// The side on which `nearer` is as seen from the ego. On a curve that is the side of a standing vehicle that it
-    /// hides, in whatever direction that vehicle points. On a straight way neither hides a side of the other.
-    fn side_towards(&self, nearer: &Self) -> f64 {
-        if self.bow_m == 0.0 || !self.stands() || nearer.distance_m <= 0.0 {
-            return 0.0;
-        }
-        let slope = |object: &Self| object.sight_m() / object.distance_m;
-        (slope(nearer) - slope(self)).signum()
-    }
-
-    /// True if the straight line to a place passes through it.
-    fn hides(&self, x_m: f64, y_m: f64) -> bool {
-        let (begin_m, end_m) = (self.distance_m.max(0.0), self.distance_m + self.length_m);
-        if x_m <= 0.0 || end_m <= 0.0 {
-            return false;
-        }
-        let off_m = |along_m: f64| y_m / x_m * along_m - self.sight_m();
-        let (begins_m, ends_m) = (off_m(begin_m), off_m(end_m.min(x_m)));
-        begins_m.max(ends_m) > -HALF_WIDTH_M && begins_m.min(ends_m) < HALF_WIDTH_M
-    }
-
     /// Offset from the axis of the ego's body, m to the left. Lines of sight are straight beside it.
     fn sight_m(&self) -> f64 {
         self.lateral.position_m + self.bow_m
@@ -203,14 +152,10 @@ impl Object {
     /// shows, m left of the way. `None` if it shows none.
     ///
     /// A vehicle on the left of the line shows its right side. A lead in the middle of a left curve is on the right of
-    /// it. A standing object need not point along the ego's circle: the road ahead may be straight. It shows a side
-    /// for sure if it shows the same one then.
+    /// it.
     pub(crate) fn shown_side(&self) -> Option<(f64, f64)> {
         let aspect_m = self.sight_m() - self.road_rad * self.distance_m;
         let side = aspect_m.signum();
-        if self.stands() && side * self.sight_m() < 0.0 {
-            return None;
-        }
         let shows = aspect_m.abs() - SIDE_M > SIDE_SHOWS_M;
         shows.then_some((side, self.lateral.position_m - side * SIDE_M))
     }

@@ -16,8 +16,6 @@
 //! The face's echoes merge and fluctuate, so that their middle wanders by 0.3 m. The points of a side differ in range
 //! and are as exact as the radar's azimuth. So a vehicle beside the path is located by the side that it shows.
 //!
-//! If a nearer object hides its face, only one side shows. An object beside the path shows its inner side, one in the
-//! path the side with its free corner. Its middle is up to half a width farther to the other side than what is seen.
 //! The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
 //!
 //! An object counts once it was seen in three of four scans. A standing one counts after four of five. It is a threat
@@ -29,10 +27,8 @@
 //! the corridor changes, the position of every object is computed anew from it. The object stays where it is in the
 //! plane, so the estimate of the road makes no lateral speed.
 
-use crate::collision_ahead::where_it_stands;
 use crate::corridor::Corridor;
-use crate::decision::Path;
-use crate::object::{MAX_OBJECTS, Object};
+use crate::object::{HALF_WIDTH_M, MAX_OBJECTS, Object};
 use crate::point::Point;
 use crate::sighting::correct;
 use crate::way::Way;
@@ -43,14 +39,15 @@ const REACH_M: f64 = 6.0;
 /// A point may be this much nearer than its object, m, and by this speed more while that is not seen, m/s.
 const SLACK_M: f64 = 1.5;
 const SLACK_MPS: f64 = 3.0;
-/// Points of one object differ from it by no more than this: speed, m/s, and lateral position, m.
-const SAME: (f64, f64) = (2.5, 1.9);
+/// Points of one object differ from its speed by no more than this, m/s.
+const SAME_MPS: f64 = 2.5;
 /// An object that counts is dropped after this time without a point, s.
 const COAST_S: f64 = 0.4;
 /// The same of an object beside the ego, outside of the field of view, s. It is also the most for one that is rarely
 /// seen.
 const BESIDE_S: f64 = 3.0;
-/// Scans in which one that does not count yet must be seen once.
+/// Scans in which one must be seen once: to be kept until it counts, and to be braked for. Chosen: of ten scans a
+/// radar that sees misses one.
 const LATELY: u32 = 2;
 
 #[derive(Clone, Debug)]
@@ -84,15 +81,6 @@ impl Objects {
         self.list.iter().filter(|object| object.is_confirmed && !object.is_beside_the_road())
     }
 
-    /// Those, and each that is about to hit another one in the ego's `path` ([`mod@crate::collision_ahead`]) as it
-    /// will stand there.
-    pub fn threats(&self, path: Path) -> impl Iterator<Item = Object> {
-        let hits = move |first| {
-            self.confirmed().filter_map(move |second| where_it_stands(first, second, path))
-        };
-        self.confirmed().copied().chain(self.confirmed().flat_map(hits))
-    }
-
     /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps`. Places are counted
     /// along the `way` ahead and left of it. What is there is expected to be seen in a `share` of the scans, 0 to 1. A
     /// scan that is not later than the last one is passed over. Allocates nothing.
@@ -122,13 +110,14 @@ impl Objects {
             self.own.extend(own.map(|(_, point)| point));
             let shows_its_face = object.shows_its_face(view_tangent);
             correct(object, &self.own, period_s, shows_its_face, share);
+            object.is_seen = object.times_seen(LATELY, share) > 0;
         }
         self.list.retain(|object| {
             let beside = object.is_hidden_beside(view_tangent);
             let longest_s = if beside { BESIDE_S } else { (COAST_S / share).min(BESIDE_S) };
             match object.is_confirmed {
                 true => object.unseen_s <= longest_s,
-                false => object.times_seen(LATELY, share) > 0,
+                false => object.is_seen,
             }
         });
     }
@@ -144,12 +133,6 @@ impl Objects {
         if period_s > 1.0 {
             // Nothing is left of what was known.
             self.list.clear();
-        }
-        for index in 0..self.list.len() {
-            let object = &self.list[index];
-            let nearer = self.list.iter().filter(|nearer| !nearer.is_beside_the_road());
-            let sides = nearer.map(|nearer| object.side_hidden_by(nearer));
-            self.list[index].hidden_side = sides.sum::<f64>().clamp(-1.0, 1.0);
         }
         for object in &mut self.list {
             object.move_along(period_s, ego_mps);
@@ -183,10 +166,14 @@ impl Objects {
         let cost = |object: &Object| {
             let dx = point.x_m - object.distance_m;
             let dv = (point.speed_mps - object.speed_mps).abs();
-            let dy = (point.y_m - object.lateral.position_m).abs();
             let slack_m = SLACK_M + object.unseen_s * SLACK_MPS;
-            let fits = (-slack_m..=REACH_M).contains(&dx) && dv <= SAME.0 && dy <= SAME.1;
-            fits.then_some(dv / SAME.0 + dy / SAME.1 + dx.abs() / REACH_M)
+            if !(-slack_m..=REACH_M).contains(&dx) || dv > SAME_MPS {
+                return None;
+            }
+            // It reflects on its body alone, whose middle may be at either side.
+            let dy = (point.y_m - object.lateral.position_m).abs();
+            let reach_m = 2.0 * HALF_WIDTH_M;
+            (dy <= reach_m).then_some(dv / SAME_MPS + dy / reach_m + dx.abs() / REACH_M)
         };
         let costs = self.list.iter().enumerate();
         let fitting = costs.filter_map(|(index, object)| cost(object).map(|cost| (index, cost)));

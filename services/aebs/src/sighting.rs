@@ -1,7 +1,7 @@
 //! Measurement of one object from all its points in one scan.
 
 use crate::filter::Lateral;
-use crate::object::{FIRST_SIGMA_M, OVERHANG_M, Object, SIDE_M};
+use crate::object::{FIRST_SIGMA_M, HALF_WIDTH_M, OVERHANG_M, Object, SIDE_M};
 use crate::point::{Point, SIDE_SIGMA_M};
 
 /// Points so near to the nearest face belong to it, m. If there are none, the second distance shows that it was
@@ -15,8 +15,8 @@ const BOTH_CORNERS_M: f64 = 1.4;
 const FACE_SIGMA_M: f64 = 0.3;
 const CORNERS_SIGMA_M: f64 = 0.1;
 const FACE_SIGMA_RAD: f64 = 0.0025;
-/// A point of a side is within this many standard deviations of the side's expected place.
-const SIDE_GATE: f64 = 3.0;
+/// A point is within this many standard deviations of where a side or a body is expected.
+const GATE: f64 = 3.0;
 /// Standard deviation of a lateral speed from range rates that more points do not improve, m/s.
 const SLOPE_SIGMA_MPS: f64 = 0.1;
 /// Least information on it of use, s²/m²: a standard deviation of 3 m/s.
@@ -36,6 +36,10 @@ pub(crate) fn correct(
     shows_its_face: bool,
     share: f64,
 ) {
+    // Two vehicles abreast are one echo from afar. Once their sides show there is nothing between them.
+    if !points.iter().any(|point| is_on_body(object, point)) {
+        return object.coast();
+    }
     let rate_mps = object.lateral.rate_mps;
     let speeds = points.iter().map(|point| point.speed_mps - rate_mps * point.tangent);
     let Some(measured_mps) = mean(speeds) else { return object.coast() };
@@ -69,6 +73,12 @@ pub(crate) fn correct(
     object.history |= 1;
     let seen = |scans: u32| object.times_seen(scans, share);
     object.is_confirmed |= if object.stands() { seen(5) >= 4 } else { seen(4) >= 3 };
+}
+
+/// True if a point may be on its body, by all that is uncertain.
+fn is_on_body(object: &Object, point: &Point) -> bool {
+    let sigma_m = libm::hypot(object.lateral.position_sigma_m(), point.variance_m2.sqrt());
+    (point.y_m - object.lateral.position_m).abs() <= HALF_WIDTH_M + GATE * sigma_m
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -107,7 +117,7 @@ fn middle_by_side(object: &Object, points: &[Point]) -> Option<(f64, f64)> {
     let sigma_m = object.lateral.position_sigma_m();
     let (mut weight, mut sum_m) = (0.0, 0.0);
     for point in points {
-        let gate_m = SIDE_GATE * (sigma_m * sigma_m + point.variance_m2).sqrt();
+        let gate_m = GATE * (sigma_m * sigma_m + point.variance_m2).sqrt();
         let is_behind = point.x_m - object.distance_m > SIDE_BEHIND_M;
         if is_behind && (point.y_m - shown_m).abs() < gate_m {
             weight += 1.0 / point.variance_m2;
@@ -132,10 +142,7 @@ fn middle_of_face(object: &Object, points: &[Point]) -> Option<(f64, f64)> {
         (moment_m / amplitude, FACE_SIGMA_M)
     };
     let by_range_m = FACE_SIGMA_RAD * object.distance_m;
-    // The middle is between what is seen and half a width beyond on the hidden side, all alike.
-    let hidden_m = SIDE_M * object.hidden_side;
-    let variance_m2 = sigma_m * sigma_m + by_range_m * by_range_m + hidden_m * hidden_m / 12.0;
-    (amplitude > 0.0).then_some((middle_m + 0.5 * hidden_m, variance_m2))
+    (amplitude > 0.0).then_some((middle_m, sigma_m * sigma_m + by_range_m * by_range_m))
 }
 
 /// Lateral speed from the range rates' dependence on the direction, m/s, with its variance.

@@ -11,9 +11,10 @@
 //! there is κ (l - k v²). l is the distance from the bumper to the rear axle. k is the slip of the rear tyres per lateral
 //! acceleration ([`Way::new`]).
 //!
-//! The circle checks the belief. A course whose curvature at the ego differs from the circle's by more than both may be
-//! off, for longer than a driver takes to steer, contradicts it. Without a course that is young and of use, and with one
-//! that contradicts, the way is the circle.
+//! The circle checks the belief. An ego that stays on its road turns as much as the road does, but not at once: a driver
+//! follows a bend late and makes up for it. So the curvatures of course and circle are compared by the mean of their
+//! difference over [`MEMORY_S`]. Without a course that is young and of use, and with one that contradicts, the way is the
+//! circle.
 
 use crate::corridor::{Corridor, Spread};
 use messages::{COURSE_CELL_M, COURSE_CELLS, Course};
@@ -26,9 +27,9 @@ const SLOWEST_MPS: f64 = 3.0;
 /// Standard deviation of the road's curvature around that of the circle, 1/m. Chosen: the driver's own steering (0.2 m
 /// of wander in 3 s), and a yaw rate that is off by 0.1 °/s.
 const SIGMA_PERM: f64 = 3e-4;
-/// Time for which the curvatures may differ, s. Chosen: a driver follows the begin of a bend within it.
-const STEERS_S: f64 = 0.5;
-/// Standard deviations by which they may differ at all times.
+/// Time over which ego and road turn alike, s. Chosen: a driver corrects an offset in the lane within it.
+const MEMORY_S: f64 = 2.0;
+/// Standard deviations by which their curvatures may differ in the mean.
 const GATE: f64 = 3.0;
 
 /// The way ahead. The default is that of a straight road.
@@ -41,9 +42,10 @@ pub struct Way {
     yaw_rate_radps: f64,
     speed_mps: f64,
     last_ns: Option<i64>,
-    /// Time of the last scan, ns, and since when the course differs, s.
+    /// Time of the last scan, ns.
     scan_ns: Option<i64>,
-    differs_s: f64,
+    /// Mean curvature of the course less that of the circle, 1/m.
+    differs_perm: f64,
     corridor: Corridor,
 }
 
@@ -90,10 +92,10 @@ impl Way {
         let cell = ((driven_m / COURSE_CELL_M) as usize).min(COURSE_CELLS - 1);
         let spread = Spread::through(course.sigma_50_m, course.sigma_100_m);
         let here_perm = course.curvatures_perm[cell];
-        let off_perm = (here_perm - self.curvature_perm).abs();
-        let differs = off_perm > GATE * libm::hypot(SIGMA_PERM, spread.curvature_sigma_perm());
-        self.differs_s = if differs { self.differs_s + period_s } else { 0.0 };
-        if self.differs_s <= STEERS_S {
+        let off_perm = here_perm - self.curvature_perm;
+        self.differs_perm += (period_s / MEMORY_S).min(1.0) * (off_perm - self.differs_perm);
+        let sigma_perm = libm::hypot(SIGMA_PERM, spread.curvature_sigma_perm());
+        if self.differs_perm.abs() <= GATE * sigma_perm {
             // The road turns on the way as its cells say, and the body by its yaw rate.
             let turned_rad = here_perm * driven_m - self.yaw_rate_radps * age_s;
             let heading_rad = course.heading_rad + turned_rad;

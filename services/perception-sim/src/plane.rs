@@ -10,7 +10,6 @@ use scenario::Scenario;
 use scenario::perception::CourseSource;
 
 use crate::radar::scene::{Ego, PlaneEgo};
-use crate::tracking::belief::Belief;
 use crate::tracking::road_ahead::RoadAhead;
 use crate::tracking::sources::{MapAhead, Sources};
 
@@ -149,5 +148,4 @@ fn write(message: &mut Course, ahead: &RoadAhead) {
     let is_useful = |steps: &u32| ahead.sigma_m(f64::from(steps * STEP_M)) <= USEFUL_M;
     let steps = (1..=FARTHEST_M / STEP_M).take_while(is_useful).count();
     message.valid_m = (steps as u32 * STEP_M).into();
-    (message.posts, message.trail_points) = ahead.belief().map_or((0, 0), Belief::used);
 }

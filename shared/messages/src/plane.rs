@@ -79,10 +79,6 @@ layout! {
         pub sigma_100_m: f64,
         /// Distance ahead to which the course is of use, m; 0: there is none.
         pub valid_m: f64,
-        /// Standing objects that the last scan's update used.
-        pub posts: u32,
-        /// Points of trails that the last scan's update used.
-        pub trail_points: u32,
     }
 }
 

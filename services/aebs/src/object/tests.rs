@@ -100,9 +100,6 @@ fn a_side_shows_beside_the_line_of_sight() {
     let lead = bend(Object::at(40.0, 10.0, 0.0, 0.0), 3.0);
     let (side, shown_m) = shown(lead).expect("its left side");
     assert!(side == -1.0 && (shown_m - 0.9).abs() < 1e-6);
-    // A standing object there may point along a straight road: it shows the other side then.
-    assert_eq!(shown(bend(stands(40.0, 0.0), 3.0)), None);
-    assert!(shown(bend(stands(40.0, 3.5), 1.0)).is_some(), "the same side both ways");
 }
 
 #[test]
@@ -115,81 +112,10 @@ fn a_corridor_bows_by_half_of_its_curvature_and_the_square_of_the_distance() {
 }
 
 #[test]
-fn a_line_of_sight_is_hidden_by_a_body_that_it_passes_through() {
-    // A body from 10 to 14.3 m, from -0.95 to 0.95 m.
-    let nearer = stands(10.0, 0.0);
-    let hides = |x_m: f64, slope: f64| nearer.hides(x_m, x_m * slope);
-    assert!(hides(30.0, 0.094) && !hides(30.0, 0.096), "past its rear corner");
-    assert!(hides(30.0, -0.094) && !hides(30.0, -0.096));
-    // A place half way along it.
-    assert!(hides(12.0, 0.0) && !hides(0.0, 0.0) && !hides(-5.0, 0.0));
-    // A body beside the line is met where its nearer side ends.
-    let beside = stands(10.0, 2.0);
-    assert!(beside.hides(30.0, 30.0 * 0.0735) && !beside.hides(30.0, 30.0 * 0.0733));
-    assert!(beside.hides(30.0, 30.0 * 0.294) && !beside.hides(30.0, 30.0 * 0.296));
-    // One beside the ego, from the bumper to 2.3 m. At its end the line is to be 1.05 m to the side.
-    assert!(stands(-2.0, 2.0).hides(30.0, 13.8) && !stands(-2.0, 2.0).hides(30.0, 13.6));
-    assert!(!stands(-4.4, 0.0).hides(30.0, 0.0), "it is passed");
-}
-
-/// The side of a car 30 m ahead that another one hides.
-fn hidden_side(off_m: f64, nearer: Object) -> f64 {
-    stands(30.0, off_m).side_hidden_by(&nearer)
-}
-
-#[test]
-fn a_nearer_object_hides_one_corner_the_outer_side_or_nothing() {
-    // The line to the left corner, 0.9 m at 30 m, is 0.3 m to the left at 10 m.
-    assert_eq!(hidden_side(0.0, stands(10.0, 1.2)), 1.0);
-    assert_eq!(hidden_side(0.0, stands(10.0, -1.2)), -1.0);
-    assert_eq!(hidden_side(0.0, stands(10.0, 1.4)), 0.0, "beside all lines");
-    assert_eq!(hidden_side(0.0, stands(10.0, 0.0)), 0.0, "all of a straight way: no side");
-    // The middle of one that shows its right side: the outer one is hidden.
-    assert_eq!(hidden_side(3.0, stands(10.0, 1.0)), 1.0);
-    assert_eq!(hidden_side(-3.0, stands(10.0, -1.0)), -1.0);
-    // One corner is enough in the path, up to 1.9 m, and not beside it.
-    assert_eq!(hidden_side(1.85, stands(10.0, 2.1)), 1.0);
-    assert_eq!(hidden_side(1.95, stands(10.0, 2.1)), 0.0);
-    // Not nearer by half a metre, or passed.
-    assert_eq!(hidden_side(0.0, stands(29.6, 1.2)), 0.0);
-    assert_eq!(hidden_side(0.0, stands(-8.4, 1.2)), 0.0);
-}
-
-#[test]
-fn a_long_vehicle_goes_on_behind_its_first_part() {
-    // From 22 to 26.3 m: the next part begins within 4 m, and less than a width farther out.
-    let first = stands(22.0, 1.0);
-    let goes_on = |distance_m: f64, off_m: f64, speed_mps: f64| {
-        Object { speed_mps, ..stands(distance_m, off_m) }.side_hidden_by(&first)
-    };
-    assert_eq!(goes_on(30.2, 2.8, 0.0), 1.0);
-    assert_eq!(goes_on(30.4, 2.8, 0.0), 0.0);
-    assert_eq!(goes_on(30.2, 3.0, 0.0), 0.0, "more than its width aside");
-    assert_eq!(
-        (goes_on(30.2, 2.8, 0.9), goes_on(30.2, 2.8, 1.1)),
-        (1.0, 0.0),
-        "it moves otherwise"
-    );
-}
-
-#[test]
-fn on_a_curve_what_stands_is_hidden_on_the_side_of_the_nearer_one() {
-    let on_curve = |object: Object| Object { bow_m: 2.0, ..object };
-    let far = on_curve(stands(30.0, 0.0));
-    // Seen from the ego the far one is at 2 m in 30 m, the nearer ones at 1.7 or 0.3 m in 10 m.
-    assert_eq!(far.side_towards(&stands(10.0, 1.7)), 1.0);
-    assert_eq!(far.side_towards(&stands(10.0, 0.3)), -1.0);
-    assert_eq!(far.side_towards(&stands(-1.0, 1.7)), 0.0);
-    assert_eq!(stands(30.0, 0.0).side_towards(&stands(10.0, 1.7)), 0.0, "a straight way");
-    let moving = Object { speed_mps: 5.0, ..far };
-    assert_eq!(moving.side_towards(&stands(10.0, 1.7)), 0.0);
-}
-
-#[test]
 fn an_object_begins_unconfirmed_with_a_cars_size() {
     let begun = Object::begin(40.0, 1.0, 12.0);
     assert_eq!((begun.distance_m, begun.speed_mps, begun.length_m), (40.0, 12.0, 4.3));
     assert_eq!(begun.lateral.position_m, 1.0);
-    assert!(!begun.is_confirmed && begun.history == 0 && begun.probability == 1.0);
+    assert!(!begun.is_confirmed && begun.history == 0 && begun.is_seen);
     assert!((begun.lateral.position_sigma_m() - 0.7).abs() < 1e-9);
 }

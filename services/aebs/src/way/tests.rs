@@ -96,12 +96,12 @@ fn a_young_course_that_agrees_is_the_way_and_else_it_is_the_circle() {
 }
 
 #[test]
-fn a_course_that_differs_for_longer_than_a_driver_steers_contradicts() {
-    // Three standard deviations of both are 1.15e-3.
-    assert_near(ahead_perm(0.0, &course(0, 1.1e-3), 100), 1.1e-3);
+fn a_course_that_turns_more_than_the_ego_in_the_mean_contradicts() {
+    // Three standard deviations of both are 1.15e-3. With a mean over 2 s, 0.005 are more than that after 0.5 s.
+    assert_near(ahead_perm(0.0, &course(0, 1.1e-3), 400), 1.1e-3);
     assert_near(ahead_perm(0.0, &course(0, 0.005), 10), 0.005);
     assert_near(ahead_perm(0.0, &course(0, 0.005), 13), 0.0);
-    assert_near(ahead_perm(-0.004, &course(0, 0.0), 13), -0.004);
+    assert_near(ahead_perm(-0.004, &course(0, 0.0), 16), -0.004);
 }
 
 #[test]
