@@ -1,6 +1,5 @@
 //! Damage of a recording.
 
-use std::fmt;
 use std::path::PathBuf;
 
 /// Reason why a file cannot be read as a recording at all.
@@ -18,16 +17,19 @@ pub enum ReadError {
 }
 
 /// A part of a recording that could not be read. `timegap recording recover` writes a file without it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Damage {
     /// The file ends before its end: the recorder was killed, or the disk was full.
+    #[error("the recording was never ended{}", left_over(*bytes))]
     CutOff {
         /// Bytes behind the last whole record.
         bytes: u64,
     },
     /// The summary behind the messages is damaged; its content comes from the messages instead.
+    #[error("the summary of {bytes} bytes is damaged; the messages are read without it")]
     Summary { bytes: u64 },
     /// A chunk, or another record, is damaged and was left out.
+    #[error("{bytes} bytes from byte {offset} on are damaged ({reason})")]
     Chunk {
         /// Place in the file.
         offset: u64,
@@ -36,25 +38,9 @@ pub enum Damage {
     },
 }
 
-impl fmt::Display for Damage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::CutOff { bytes: 0 } => f.write_str("the recording was never ended"),
-            Self::CutOff { bytes } => {
-                write!(
-                    f,
-                    "the recording was never ended; its last {bytes} bytes are not a whole part"
-                )
-            }
-            Self::Summary { bytes } => {
-                write!(
-                    f,
-                    "the summary of {bytes} bytes is damaged; the messages are read without it"
-                )
-            }
-            Self::Chunk { offset, bytes, reason } => {
-                write!(f, "{bytes} bytes from byte {offset} on are damaged ({reason})")
-            }
-        }
+fn left_over(bytes: u64) -> String {
+    match bytes {
+        0 => String::new(),
+        bytes => format!("; its last {bytes} bytes are not a whole part"),
     }
 }

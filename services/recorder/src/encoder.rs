@@ -38,10 +38,10 @@ impl Encoder {
             type_name: topic.layout().type_name,
             definition: ros2_definition_of(topic.layout(), &metadata.law),
         });
-        let drawn = scene::TOPICS.into_iter().map(|(topic, type_name, definition)| Channel {
+        let drawn = scene::TOPICS.into_iter().map(|(topic, type_name)| Channel {
             topic,
             type_name,
-            definition: definition.to_owned(),
+            definition: scene::definition(type_name),
         });
         ours.chain(drawn).collect()
     }

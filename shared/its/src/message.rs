@@ -38,27 +38,24 @@ impl MessageKind {
 
     /// Port of BTP-B (ETSI TS 103 248).
     pub const fn port(self) -> u16 {
-        match self {
-            Self::Cam => 2001,
-            Self::Mapem => 2003,
-            Self::Spatem => 2004,
-        }
+        self.numbers().0
     }
 
     /// Message id (ETSI TS 102 894-2).
     pub const fn message_id(self) -> u8 {
-        match self {
-            Self::Cam => 2,
-            Self::Spatem => 4,
-            Self::Mapem => 5,
-        }
+        self.numbers().1
     }
 
     /// Traffic class: CAM 2 by EN 302 637-2, the infrastructure one step lower.
     pub(crate) const fn traffic_class(self) -> u8 {
+        self.numbers().2
+    }
+
+    const fn numbers(self) -> (u16, u8, u8) {
         match self {
-            Self::Cam => 2,
-            Self::Mapem | Self::Spatem => 3,
+            Self::Cam => (2001, 2, 2),
+            Self::Mapem => (2003, 5, 3),
+            Self::Spatem => (2004, 4, 3),
         }
     }
 }

@@ -50,11 +50,10 @@ impl Type {
             (Self::Integer, value) => {
                 value.number().filter(whole).map(Value::Number).ok_or("a whole number")
             }
-            (Self::Unsigned, value) => value
-                .number()
-                .filter(|number| whole(number) && *number >= 0.0)
-                .map(Value::Number)
-                .ok_or("a whole number, 0 or more"),
+            (Self::Unsigned, value) => {
+                let number = value.number().filter(|number| whole(number) && *number >= 0.0);
+                number.map(Value::Number).ok_or("a whole number, 0 or more")
+            }
         }
     }
 }

@@ -24,6 +24,8 @@ pub struct Scenario {
     pub parameters: Vec<(String, String)>,
     /// The ego's set speed, m/s, where Init lets it change its speed over time; otherwise its speed at the start.
     pub set_speed_mps: Option<f64>,
+    /// The friction of the road, as a factor of the usual one.
+    pub friction: f64,
     /// Reason why its story cannot happen: the road file is not there.
     pub hindrance: Option<String>,
     /// Notes for a person on how it is simulated, a sentence each.
@@ -113,6 +115,7 @@ pub fn scenario_by(
         description,
         parameters,
         set_speed_mps: scene.ego_goal_mps.get(),
+        friction: scene.friction.get().unwrap_or(1.0),
         hindrance: scene.hindrance.take(),
         notices: scene.notices.take(),
         spots: scene.spots.take(),

@@ -136,6 +136,6 @@ mod tests {
     fn an_element_of_two_names_has_one_row() {
         let table = markdown();
         assert!(table.contains("\n`SpeedActionDynamics`, `LaneChangeActionDynamics` |"), "{table}");
-        assert_eq!(table.matches("\n`Position`").count(), 1);
+        assert_eq!(table.matches("\n`RoadPosition`").count(), 1);
     }
 }

@@ -56,6 +56,8 @@ pub(crate) struct Scene<'a> {
     pub ego_name: RefCell<Option<String>>,
     /// The speed to which the ego drives in its own time, m/s.
     pub ego_goal_mps: Cell<Option<f64>>,
+    /// The friction of the road as a factor, where Init gives it.
+    pub friction: Cell<Option<f64>>,
     pub headings: Cell<LaneHeadings>,
     /// The actors of the maneuver group that is read.
     pub actors: RefCell<Vec<usize>>,

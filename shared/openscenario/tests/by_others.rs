@@ -107,20 +107,44 @@ fn the_name_of_a_condition_is_not_evaluated() {
 }
 
 #[test]
-fn weather_has_no_effect_and_a_slippery_road_is_refused() {
-    let parts = |friction: &str| Parts {
-        init: format!(
+fn weather_has_no_effect_and_the_friction_of_init_is_a_factor() {
+    let action = |friction: &str| {
+        format!(
             "<GlobalAction><EnvironmentAction><Environment name=\"e\"><TimeOfDay animation=\"false\" dateTime=\"2020-01-01T12:00:00\"/>\
              <Weather cloudState=\"free\"><Sun intensity=\"1\" azimuth=\"0\" elevation=\"1\"/><Fog visualRange=\"1000\"/>\
              <Precipitation precipitationType=\"dry\" intensity=\"0\"/></Weather><RoadCondition frictionScaleFactor=\"{friction}\"/>\
-             </Environment></EnvironmentAction></GlobalAction>{}",
-            private("Lead", &[&place(-1, 60.0)])
-        ),
-        ..Parts::default()
+             </Environment></EnvironmentAction></GlobalAction>"
+        )
     };
-    parts("1.0").read().expect("a dry road");
-    let shown = parts("0.5").refusal();
-    assert!(shown.contains("0.5 would change the brakes, expected 1"), "{shown}");
+    let parts = |init: &str, later: &str| {
+        let event = event("E", "override", &["LATER"], &trigger(&[&at(1.0)]));
+        let stories = story(&[event]).replace("<PrivateAction>LATER</PrivateAction>", later);
+        Parts {
+            init: init.to_owned() + &private("Lead", &[&place(-1, 60.0)]),
+            stories,
+            ..Parts::default()
+        }
+    };
+    let dry = private("Lead", &[&place(-1, 60.0)]);
+    assert_eq!(
+        Parts { init: dry, ..Parts::default() }.read().expect("no road condition").friction,
+        1.0
+    );
+    for friction in ["1.0", "0.5"] {
+        let read = parts(&action(friction), &action(friction)).read().expect("it stays");
+        assert_eq!(read.friction, friction.parse().expect("a number"));
+    }
+    let shown = parts(&action("0.5"), &action("0.4")).refusal();
+    assert!(
+        shown.contains("would change during the drive, expected the friction of Init"),
+        "{shown}"
+    );
+    assert!(parts("", &action("0.4")).refusal().contains("would change during the drive"));
+    let shown = parts(&action("0"), &action("1")).refusal();
+    assert!(
+        shown.contains("`frictionScaleFactor` of `RoadCondition`: 0 is out of range"),
+        "{shown}"
+    );
 }
 
 #[test]

@@ -53,6 +53,129 @@ fn a_route_along_the_road_is_complete_at_once_and_moves_nothing() {
     }
 }
 
+/// A position on the route between two waypoints of lane -1.
+fn on_route(from_m: f64, to_m: f64, place: &str) -> String {
+    let along = waypoint(&on_lane("0", from_m)) + &waypoint(&on_lane("0", to_m));
+    format!(
+        "<RoutePosition><RouteRef><Route name=\"r\" closed=\"false\">{along}</Route></RouteRef>\
+         <InRoutePosition>{place}</InRoutePosition></RoutePosition>"
+    )
+}
+
+/// Places the lead.
+fn placed(position: &str) -> Parts {
+    Parts { init: private("Lead", &[&teleport(position)]), ..Parts::default() }
+}
+
+#[test]
+fn a_place_on_a_route_counts_from_its_first_waypoint() {
+    let in_road = "<FromRoadCoordinates pathS=\"30\" t=\"-2.5\"/>";
+    let in_lane = "<FromLaneCoordinates pathS=\"30\" laneId=\"-2\" laneOffset=\"0.5\"/>";
+    // Lane -2 lies from -4 to -8 m.
+    for (from_m, to_m, place, s_m, t_m, heading_rad) in [
+        (100.0, 400.0, in_road, 130.0, -2.5, 0.0),
+        (100.0, 400.0, in_lane, 130.0, -5.5, 0.0),
+        (400.0, 100.0, in_road, 370.0, -2.5, std::f64::consts::PI),
+        (400.0, 100.0, in_lane, 370.0, -5.5, std::f64::consts::PI),
+    ] {
+        let lead = placed(&on_route(from_m, to_m, place)).run().lead();
+        near(lead.s_m, s_m);
+        near(lead.t_m, t_m);
+        near(lead.heading_rad, heading_rad);
+    }
+    for (place, said) in [
+        (in_road.replace("30", "301"), "301 m are beyond the route's end, expected at most 300 m"),
+        (
+            in_lane.replace("-2", "-7"),
+            "the route has no such lane there, expected `-2`, `-1` or `1`",
+        ),
+        (
+            "<FromCurrentEntity entityRef=\"Ego\"/>".to_owned(),
+            "is not supported: the place of an entity is a `RelativeRoadPosition`",
+        ),
+    ] {
+        let shown = placed(&on_route(100.0, 400.0, &place)).refusal();
+        assert!(shown.contains(said), "{shown}");
+    }
+}
+
+/// A road that is followed by one whose reference line runs against it.
+#[test]
+fn a_route_over_a_road_that_runs_the_other_way_keeps_that_roads_sides() {
+    let link = |inside: &str| format!("<link>{inside}</link><planView>");
+    let first = ROAD.replace(
+        "<planView>",
+        &link("<successor elementType=\"road\" elementId=\"1\" contactPoint=\"end\"/>"),
+    );
+    let turned = "x=\"2000\" y=\"0\" hdg=\"3.141592653589793\"";
+    let second = ROAD.replace("<OpenDRIVE>", "").replace("<road id=\"0\"", "<road id=\"1\"");
+    let second = second.replace("x=\"0\" y=\"0\" hdg=\"0\"", turned);
+    let second = second.replace(
+        "<planView>",
+        &link("<successor elementType=\"road\" elementId=\"0\" contactPoint=\"end\"/>"),
+    );
+    let along =
+        waypoint(&on_lane("0", 900.0)) + &waypoint(&on_lane("1", 100.0).replace("\"-1\"", "\"1\""));
+    let position = format!(
+        "<RoutePosition><RouteRef><Route name=\"r\" closed=\"false\">{along}</Route></RouteRef>\
+         <InRoutePosition><FromRoadCoordinates pathS=\"300\" t=\"2.5\"/></InRoutePosition></RoutePosition>"
+    );
+    let mut parts = placed(&position);
+    let road = first.replace("</OpenDRIVE>", &second);
+    parts.files = vec![("dir/road.xodr".to_owned(), road)];
+    let lead = parts.run().lead();
+    // 300 m behind s = 900 m; the second road's left is the row's right.
+    near(lead.s_m, 1200.0);
+    near(lead.t_m, -2.5);
+}
+
+fn on_line(s_m: f64, t_m: f64, vertices: &[(f64, f64)]) -> String {
+    let vertex = |(x, y): &(f64, f64)| {
+        format!(
+            "<Vertex time=\"0\"><Position><WorldPosition x=\"{x}\" y=\"{y}\"/></Position></Vertex>"
+        )
+    };
+    let vertices: String = vertices.iter().map(vertex).collect();
+    format!(
+        "<TrajectoryPosition s=\"{s_m}\" t=\"{t_m}\"><TrajectoryRef><Trajectory name=\"l\" closed=\"false\">\
+         <Shape><Polyline>{vertices}</Polyline></Shape></Trajectory></TrajectoryRef></TrajectoryPosition>"
+    )
+}
+
+#[test]
+fn a_place_on_a_trajectory_counts_along_its_corners() {
+    // 30 m ahead, then 3 m ahead and 4 m to the left for each 5 m.
+    let corners = [(100.0, -2.0), (130.0, -2.0), (160.0, 38.0)];
+    for (s_m, aside_m, [x_m, y_m], heading_rad) in [
+        (12.0, 0.5, [112.0, -1.5], 0.0),
+        (35.0, 0.0, [133.0, 2.0], libm::atan2(4.0, 3.0)),
+        (35.0, 1.0, [133.0 - 0.8, 2.0 + 0.6], libm::atan2(4.0, 3.0)),
+        (80.0, 0.0, [160.0, 38.0], libm::atan2(4.0, 3.0)),
+    ] {
+        let lead = placed(&on_line(s_m, aside_m, &corners)).run().lead();
+        near(lead.s_m, x_m);
+        near(lead.t_m, y_m);
+        near(lead.heading_rad, heading_rad);
+    }
+    let shown = placed(&on_line(81.0, 0.0, &corners)).refusal();
+    assert!(shown.contains("81 m are beyond the line's end, expected at most 80"), "{shown}");
+}
+
+/// The chord of an arc of 200 m radius lies inside of it.
+#[test]
+fn a_place_on_a_trajectory_is_found_on_a_curved_road() {
+    let arc = ROAD.replace("<line/>", "<arc curvature=\"0.005\"/>");
+    // From the start to the point of the reference line a quarter of a radian on.
+    let end = (200.0 * libm::sin(0.25), 200.0 * (1.0 - libm::cos(0.25)));
+    let chord_m = libm::hypot(end.0, end.1);
+    let mut parts = placed(&on_line(0.5 * chord_m, 0.0, &[(0.0, 0.0), end]));
+    parts.files = vec![("dir/road.xodr".to_owned(), arc)];
+    let lead = parts.run().lead();
+    near(lead.s_m, 25.0);
+    near(lead.t_m, 200.0 * (1.0 - libm::cos(0.125)));
+    near(lead.heading_rad, 0.0);
+}
+
 #[test]
 fn a_route_from_a_catalog_is_read() {
     let mut parts = with(

@@ -229,21 +229,22 @@ pub fn keys() -> &'static [Key] {
 
 /// The dotted path of the only key of a scenario file with this name.
 pub(crate) fn path_of(name: &str) -> Option<String> {
-    let mut found = Vec::new();
-    collect_paths(keys(), String::new(), name, &mut found);
+    let mut found = paths(keys(), "", name);
     found.pop().filter(|_| found.is_empty())
 }
 
-fn collect_paths(keys: &[Key], above: String, name: &str, found: &mut Vec<String>) {
-    for key in keys {
-        let path = above.clone() + &key.name;
-        if let Shape::Table(below) = &key.shape {
-            collect_paths(below, format!("{path}."), name, found);
-        }
-        if key.name == name {
-            found.push(path);
-        }
-    }
+/// The paths of all keys of a name among `keys`, whose own paths begin with `above`.
+fn paths(keys: &[Key], above: &str, name: &str) -> Vec<String> {
+    let of_key = |key: &Key| {
+        let path = format!("{above}{}", key.name);
+        let mut found = match &key.shape {
+            Shape::Table(below) => paths(below, &format!("{path}."), name),
+            _ => Vec::new(),
+        };
+        found.extend((key.name == name).then_some(path));
+        found
+    };
+    keys.iter().flat_map(of_key).collect()
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ mod others;
 
 use crate::Metadata;
 use crate::cdr::Cdr;
+pub(crate) use definitions::definition;
 use draw::{Color, Marker, Points, kind};
 use ground::{Ground, LANE_WIDTH_M, Place};
 use messages::{
@@ -39,12 +40,12 @@ const LIGHT_HEIGHT_M: f64 = 4.5;
 const BEHIND_M: f64 = 60.0;
 const AHEAD_M: f64 = 240.0;
 
-/// Name, type and definition of each topic.
-pub(crate) const TOPICS: [(&str, &str, &str); 4] = [
-    ("/tf", "tf2_msgs/msg/TFMessage", definitions::TRANSFORMS),
-    ("/scene/markers", "visualization_msgs/msg/MarkerArray", definitions::MARKERS),
-    ("/scene/outlines", "sensor_msgs/msg/PointCloud2", definitions::POINTS),
-    ("/radar/points", "sensor_msgs/msg/PointCloud2", definitions::POINTS),
+/// Name and type of each topic.
+pub(crate) const TOPICS: [(&str, &str); 4] = [
+    ("/tf", "tf2_msgs/msg/TFMessage"),
+    ("/scene/markers", "visualization_msgs/msg/MarkerArray"),
+    ("/scene/outlines", "sensor_msgs/msg/PointCloud2"),
+    ("/radar/points", "sensor_msgs/msg/PointCloud2"),
 ];
 
 /// A message for viewers.
@@ -222,8 +223,7 @@ impl Scene {
             width_m: VEHICLE_WIDTH_M,
             color: Color::BLUE,
         };
-        let others = if self.ground.has_plan() { self.posed() } else { self.along() };
-        std::iter::once(ego).chain(others).collect()
+        std::iter::once(ego).chain(self.others()).collect()
     }
 
     /// Stop lines: where, colour of the light, and time until it may change, s.

@@ -15,36 +15,42 @@ impl Scene {
         first.chain(more.flat_map(|more| more.vehicles()))
     }
 
-    /// The vehicles of a straight road.
-    pub(super) fn along(&self) -> Vec<Body> {
-        let bodies = self.listed().enumerate().map(|(index, vehicle)| Body {
+    /// The vehicles as bodies, by their places on a straight road or by their poses on one with a plan.
+    pub(super) fn others(&self) -> impl Iterator<Item = Body> {
+        let placed = if self.ground.has_plan() { self.posed() } else { self.along() };
+        let body = |(index, (rear, length_m, width_m)): (usize, (Place, f64, f64))| Body {
             frame: format!("vehicle_{index}"),
-            rear: self.ground.place(vehicle.rear_position_m, vehicle.lateral_m),
-            length_m: self.lengths_m.get(index).copied().unwrap_or(USUAL_LENGTH_M),
-            width_m: VEHICLE_WIDTH_M,
+            rear,
+            length_m,
+            width_m,
             color: self.color(index),
-        });
-        bodies.filter(|body| body.rear.is_finite()).collect()
+        };
+        placed.into_iter().enumerate().map(body).filter(|body| body.rear.is_finite())
     }
 
-    /// The vehicles of a road with a plan.
-    pub(super) fn posed(&self) -> Vec<Body> {
+    /// The middle of the rear bumper, length and width of each vehicle of a straight road.
+    fn along(&self) -> Vec<(Place, f64, f64)> {
+        let lengths_m = self.lengths_m.iter().copied().chain(std::iter::repeat(USUAL_LENGTH_M));
+        let placed = self.listed().zip(lengths_m).map(|(vehicle, length_m)| {
+            let rear = self.ground.place(vehicle.rear_position_m, vehicle.lateral_m);
+            (rear, length_m, VEHICLE_WIDTH_M)
+        });
+        placed.collect()
+    }
+
+    /// The same on a road with a plan.
+    fn posed(&self) -> Vec<(Place, f64, f64)> {
         let more = self.more_poses.as_deref();
         let poses = self.poses.iter().flat_map(|first| {
             let more = more.filter(|more| more.header.step == first.header.step);
             all_poses(first, more).into_iter().flatten()
         });
-        let bodies = poses.enumerate().map(|(index, pose)| {
+        let placed = poses.map(|pose| {
             let middle = Place { at_m: [pose.x_m, pose.y_m], heading_rad: pose.heading_rad };
-            Body {
-                frame: format!("vehicle_{index}"),
-                rear: Place { at_m: middle.point(-0.5 * pose.length_m, 0.0), ..middle },
-                length_m: pose.length_m,
-                width_m: pose.width_m,
-                color: self.color(index),
-            }
+            let rear = Place { at_m: middle.point(-0.5 * pose.length_m, 0.0), ..middle };
+            (rear, pose.length_m, pose.width_m)
         });
-        bodies.filter(|body| body.rear.is_finite()).collect()
+        placed.collect()
     }
 
     /// Colour of a vehicle: orange in the ego's lane.

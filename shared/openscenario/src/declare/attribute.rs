@@ -56,10 +56,7 @@ impl<S: Scalar> FromAttribute for S {
     type Value = S::Value;
 
     fn read(node: Node<'_>, name: &str) -> Result<S::Value, ReadError> {
-        match node.element.given(name) {
-            Some(_) => S::take(&Given { node, raw: node.raw(name) }),
-            None => Err(node.wrong(name, "is missing", S::kind())),
-        }
+        Option::<S>::read(node, name)?.ok_or_else(|| node.wrong(name, "is missing", S::kind()))
     }
 }
 
@@ -69,10 +66,8 @@ impl<S: Scalar> FromAttribute for Option<S> {
     type Value = Option<S::Value>;
 
     fn read(node: Node<'_>, name: &str) -> Result<Self::Value, ReadError> {
-        match node.element.given(name) {
-            Some(_) => S::take(&Given { node, raw: node.raw(name) }).map(Some),
-            None => Ok(None),
-        }
+        let given = node.element.given(name);
+        given.map(|_| S::take(&Given { node, raw: node.raw(name) })).transpose()
     }
 }
 

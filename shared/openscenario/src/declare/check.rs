@@ -17,8 +17,7 @@ const REFUSED: &[(&str, &str)] = &[
     ("Trailer", "no vehicle pulls a trailer"),
     ("Clothoid", "trajectories are straight pieces"),
     ("Nurbs", "trajectories are straight pieces"),
-    ("RoutePosition", "a route has no coordinates of its own"),
-    ("TrajectoryPosition", "a trajectory has no coordinates of its own"),
+    ("FromCurrentEntity", "the place of an entity is a `RelativeRoadPosition`"),
     ("LateralDistanceAction", "no distance across the road is kept"),
 ];
 

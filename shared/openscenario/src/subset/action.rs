@@ -1,11 +1,11 @@
 //! Actions of an entity and of the world.
 
+use super::along::Position;
 use super::environment::{
     ActivateControllerAction, ControllerAction, EnvironmentAction, VisibilityAction,
 };
 use super::lateral::LateralAction;
 use super::longitudinal::LongitudinalAction;
-use super::position::Position;
 use super::reference::{EntityName, ParameterName, VariableName};
 use super::signal::InfrastructureAction;
 use super::synchronize::SynchronizeAction;

@@ -3,33 +3,36 @@
 use super::catalog::FromCatalog;
 use super::entity::{Controller, ObjectController};
 use super::unused::{Properties, TimeOfDay, Weather};
-use crate::declare::{Number, OneOf, Truth, elements};
+use crate::declare::{OneOf, Positive, Truth, elements};
 use crate::model::action::Action;
 use crate::parameter::{ParameterDeclarations, Scoped};
 
 elements! { "Actions";
-    /// weather and time of day have no effect, and the action is complete at once
-    EnvironmentAction -> Action [] {_: OneOf<(Scoped<Environment>, FromCatalog<Environment>)>}
-    { Ok(Action::Nothing) }
+    /// weather and time of day have no effect, and the action is complete at once; the friction is that of Init
+    EnvironmentAction -> Action [] {friction: OneOf<(Scoped<Environment>, FromCatalog<Environment>)>}
+    |node| {
+        let scene = node.scene;
+        // The actions of Init are listed once all of them have been read. The ego's place is one.
+        if scene.init.borrow().is_empty() {
+            scene.friction.set(friction.or(scene.friction.get()));
+        } else if friction.is_some_and(|factor| factor != scene.friction.get().unwrap_or(1.0)) {
+            let reason = "the friction of the road would change during the drive";
+            return Err(node.refuse(reason, "the friction of Init"));
+        }
+        Ok(Action::Nothing)
+    }
 
     /// see `EnvironmentAction`
-    Environment -> () [] {
+    Environment -> Option<f64> [] {
         _: Option<ParameterDeclarations>,
         _: Option<TimeOfDay>,
         _: Option<Weather>,
-        _: Option<RoadCondition>,
+        friction: Option<RoadCondition>,
     } unused ["name"]
 
-    /// a friction factor of 1 only
-    RoadCondition -> () ["frictionScaleFactor" factor: Number] {_: Option<Properties>}
+    /// in Init the factor of the ego's strongest deceleration; other entities do not slip
+    RoadCondition -> f64 ["frictionScaleFactor" factor: Positive] {_: Option<Properties>}
     unused ["wetness?"]
-    |node| {
-        if factor != 1.0 {
-            let reason = format!("{factor} would change the brakes");
-            return Err(node.wrong("frictionScaleFactor", reason, "1"));
-        }
-        Ok(())
-    }
 
     /// the ego's stack drives from the start: assigned and activated controllers change nothing, and the action is complete at once
     ControllerAction -> Action [] {

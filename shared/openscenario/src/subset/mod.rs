@@ -1,6 +1,7 @@
 //! The elements of the standard that are read, each declared once.
 
 mod action;
+mod along;
 mod body;
 mod catalog;
 mod condition;

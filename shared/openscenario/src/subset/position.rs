@@ -1,4 +1,4 @@
-//! Positions.
+//! Positions by themselves, or seen from an entity.
 
 use std::rc::Rc;
 
@@ -37,8 +37,8 @@ pub(crate) enum Turn {
 }
 
 elements! { "Positions";
-    /// of the entity's origin
-    Position | TargetPositionMaster | TargetPosition -> position::Position [] {
+    /// of a waypoint or of a corner, as `Position`
+    Spot = "Position" -> position::Position [] {
         position: OneOf<(
             WorldPosition,
             RelativeWorldPosition,
@@ -89,7 +89,8 @@ elements! { "Positions";
     ["roadId" road: RoadId, "s" s_m: AtLeastZero as "m", "t" t_m: Number as "m"]
     {turn: Option<Orientation>}
     |node| {
-        let (_, part) = on_road(node, road, s_m)?;
+        let (_, part) = road;
+        on_road(node, &part, s_m)?;
         let (s_m, t_m) = part.place(s_m, t_m);
         let from = From::Road { s_m, t_m };
         Ok(oriented(from, turn, |h_rad| Heading::Road(h_rad + part.heading_rad())))
@@ -110,7 +111,8 @@ elements! { "Positions";
         "offset" offset_m: Option<Number> as "m"]
     {turn: Option<Orientation>}
     |node| {
-        let (scenery, part) = on_road(node, road, s_m)?;
+        let (scenery, part) = road;
+        on_road(node, &part, s_m)?;
         let (s_m, offset_m) = part.place(s_m, offset_m.unwrap_or(0.0));
         let (row, at_m) = (&scenery.road, part.inside(s_m));
         let Some(found) = lane.trim().parse().ok().and_then(|id| row.lane(at_m, id)) else {
@@ -169,7 +171,7 @@ elements! { "Positions";
     }
 }
 
-fn oriented(
+pub(super) fn oriented(
     from: From,
     turn: Option<Turn>,
     relative: impl Fn(f64) -> Heading,
@@ -181,15 +183,11 @@ fn oriented(
     position::Position { from, heading }
 }
 
-/// The road of a position, whose attribute `s` must be on it.
-fn on_road(
-    node: Node<'_>,
-    road: (Rc<Scenery>, Part),
-    s_m: f64,
-) -> Result<(Rc<Scenery>, Part), ReadError> {
-    if s_m <= road.1.length_m {
-        return Ok(road);
+/// Checks that the attribute `s` of a position is on its road.
+fn on_road(node: Node<'_>, part: &Part, s_m: f64) -> Result<(), ReadError> {
+    if s_m <= part.length_m {
+        return Ok(());
     }
     let reason = format!("{s_m} m are beyond the road's end");
-    Err(node.wrong("s", reason, format!("at most {}", road.1.length_m)))
+    Err(node.wrong("s", reason, format!("at most {}", part.length_m)))
 }

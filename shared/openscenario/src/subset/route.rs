@@ -1,7 +1,7 @@
 //! Routes: all that happens is on one road, so they lead along it.
 
 use super::catalog::FromCatalog;
-use super::position::Position;
+use super::position::Spot;
 use super::unused::Properties;
 use crate::declare::{AtLeastOne, Node, OneOf, Placed, Truth, elements, words};
 use crate::error::{Place, ReadError};
@@ -26,15 +26,14 @@ elements! { "Actions";
     { Ok(Action::Nothing) }
 
     /// see `AssignRouteAction`
-    AcquirePositionAction -> Action [] {at: Placed<Position>}
+    AcquirePositionAction -> Action [] {at: Placed<Spot>}
     |node| {
-        let (place, position) = at;
-        on_the_road(node, &place, &position)?;
+        on_the_road(node, &at)?;
         Ok(Action::Nothing)
     }
 
     /// closed="false" only
-    Route -> () ["closed" closed: Truth] {
+    Route -> Option<(f64, f64)> ["closed" closed: Truth] {
         _: Option<ParameterDeclarations>,
         waypoints: AtLeastOne<Waypoint>,
         _: Option<Properties>,
@@ -44,26 +43,27 @@ elements! { "Actions";
             let reason = "a road that is followed once has no closed routes";
             return Err(node.wrong("closed", reason, "false"));
         }
-        match waypoints.len() {
-            0 | 1 => Err(node.refuse("a route of one waypoint", "two waypoints or more")),
-            _ => Ok(()),
+        match waypoints.as_slice() {
+            [] | [_] => Err(node.refuse("a route of one waypoint", "two waypoints or more")),
+            [from_m, .., to_m] => Ok(from_m.zip(*to_m)),
         }
     }
 
     /// on the ego's road or the roads that continue it; its lane has no effect
-    Waypoint -> () ["routeStrategy" _: RouteStrategy] {at: Placed<Position>}
-    |node| {
-        let (place, position) = at;
-        on_the_road(node, &place, &position)
-    }
+    Waypoint -> Option<f64> ["routeStrategy" _: RouteStrategy] {at: Placed<Spot>}
+    |node| { on_the_road(node, &at) }
 }
 
-/// Checks that a place is on the lanes of the road. A place that is seen from an entity moves with it.
-fn on_the_road(node: Node<'_>, place: &Place, at: &position::Position) -> Result<(), ReadError> {
-    let From::Road { s_m, t_m } = at.from else { return Ok(()) };
+/// Checks that a place is on the lanes of the road. Returns where along it; none for a place that is seen from an
+/// entity, since that moves with it.
+fn on_the_road(
+    node: Node<'_>,
+    (place, at): &(Place, position::Position),
+) -> Result<Option<f64>, ReadError> {
+    let From::Road { s_m, t_m } = at.from else { return Ok(None) };
     let scenery = node.scene.road(None)?;
     match scenery.road.holds(s_m, t_m) {
-        true => Ok(()),
+        true => Ok(Some(s_m)),
         false => {
             let reason = format!("the route leads to a place {t_m:.1} m beside the reference line");
             let expected = format!("a place on a lane of road {}", scenery.road.names());

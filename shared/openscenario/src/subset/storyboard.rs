@@ -192,18 +192,16 @@ fn require_places(node: Node<'_>, init: &[InitAction]) -> Result<(), ReadError> 
             _ => false,
         })
     };
-    for (index, entity) in node.scene.entities.borrow().iter().enumerate() {
+    let entities = node.scene.entities.borrow();
+    for (index, entity) in entities.iter().enumerate().filter(|(index, _)| !is_placed(*index)) {
         let name = &entity.name;
-        match (is_placed(index), index == node.scene.ego.get()) {
-            (true, _) => {}
-            (false, true) => {
-                let reason = format!("the ego `{name}` is not placed");
-                return Err(node.refuse(reason, "a `TeleportAction` for it"));
-            }
-            (false, false) => node.scene.notice(format!(
-                "`{name}` has no place in Init: it is not on the road until it is added or teleported"
-            )),
+        if index == node.scene.ego.get() {
+            let reason = format!("the ego `{name}` is not placed");
+            return Err(node.refuse(reason, "a `TeleportAction` for it"));
         }
+        node.scene.notice(format!(
+            "`{name}` has no place in Init: it is not on the road until it is added or teleported"
+        ));
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Arrivals at the same time.
 
+use super::along::{TargetPosition, TargetPositionMaster};
 use super::longitudinal::{SpeedTargetValueType, relative};
-use super::position::{TargetPosition, TargetPositionMaster};
 use super::reference::EntityName;
 use crate::declare::{AtLeastZero, Number, OneOf, elements, scalars};
 use crate::model::action::Action;

@@ -1,7 +1,7 @@
 //! Conditions about entities.
 
+use super::along::Position;
 use super::entity::EntityRef;
-use super::position::Position;
 use super::reference::EntityName;
 use crate::comparison::Rule;
 use crate::declare::{AtLeastOne, AtLeastZero, Node, Number, OneOf, Truth, elements, words};

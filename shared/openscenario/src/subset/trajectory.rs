@@ -2,7 +2,7 @@
 
 use super::catalog::FromCatalog;
 use super::longitudinal::FollowingMode;
-use super::position::Position;
+use super::position::Spot;
 use super::route::{AcquirePositionAction, AssignRouteAction};
 use crate::declare::{AtLeastOne, AtLeastZero, Number, OneOf, Positive, Truth, elements, words};
 use crate::model::action::{self, Action, Vertex as Corner};
@@ -64,7 +64,7 @@ elements! { "Actions";
     }
 
     /// times increase; all or none have one
-    Vertex -> Corner ["time" time_s: Option<Number> as "s"] {position: Position}
+    Vertex -> Corner ["time" time_s: Option<Number> as "s"] {position: Spot}
     { Ok(Corner { time_s: time_s.unwrap_or(0.0), position }) }
 
     /// with timing the vertices' times set the speed, without it the entity keeps its own

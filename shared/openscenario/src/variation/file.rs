@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::draw::Distribution;
-use super::{Combinations, MAX_RUNS};
+use super::{Combinations, MAX_RUNS, Variation};
 use crate::declare::{AtLeastOne, AtLeastZero, Node, Number, OneOf, Placed, Text, elements};
 use crate::error::{Place, ReadError};
 use crate::parameter::{Assignment, ParameterAssignment, ParameterDeclarations};
@@ -14,19 +14,8 @@ const ROUNDING: f64 = 1e9;
 /// Largest mean of a Poisson distribution: beyond it Knuth's product of uniform draws underflows.
 const MAX_POISSON_MEAN: f64 = 500.0;
 
-/// A variation file as it was read.
-pub(crate) struct VariationParts {
-    pub description: String,
-    /// The path of the scenario file.
-    pub scenario: String,
-    pub varied: Varied,
-}
-
 /// The combinations, and where each parameter is first varied.
-pub(crate) struct Varied {
-    pub combinations: Combinations,
-    pub places: BTreeMap<String, Place>,
-}
+pub(crate) type Varied = (Combinations, BTreeMap<String, Place>);
 
 /// Sets of values, one of which is chosen; each set with the places of its parameters.
 type Sets = (Vec<(String, Place)>, Vec<Vec<Assignment>>);
@@ -36,13 +25,13 @@ type Drawn = (String, (Place, Distribution));
 
 elements! { "Parameter variation";
     /// a parameter variation
-    VariationFile = "OpenSCENARIO" -> VariationParts [] {
+    VariationFile = "OpenSCENARIO" -> Variation [] {
         description: FileHeader,
         _: Option<ParameterDeclarations>,
         distribution: ParameterValueDistribution,
     } {
-        let (scenario, varied) = distribution;
-        Ok(VariationParts { description, scenario, varied })
+        let (scenario, (combinations, places)) = distribution;
+        Ok(Variation { scenario: scenario.into(), description, places, combinations })
     }
 
     /// a campaign of one run for each combination
@@ -154,15 +143,13 @@ elements! { "Parameter variation";
     ["value" value: Text, "weight" weight: AtLeastZero] {}
     { Ok((value, weight)) }
 
-    /// redrawn outside its range
-    NormalDistribution -> Distribution
+    /// expected value and variance, of `LogNormalDistribution` the logarithm's; redrawn outside its range
+    NormalDistribution | LogNormalDistribution -> Distribution
     ["expectedValue" mean: Number, "variance" variance: AtLeastZero] {range: Option<Range>}
-    { Ok(Distribution::Normal { mean, deviation: libm::sqrt(variance), log: false, range }) }
-
-    /// expected value and variance are the logarithm's; redrawn outside its range
-    LogNormalDistribution -> Distribution
-    ["expectedValue" mean: Number, "variance" variance: AtLeastZero] {range: Option<Range>}
-    { Ok(Distribution::Normal { mean, deviation: libm::sqrt(variance), log: true, range }) }
+    |node| {
+        let log = node.name() == LogNormalDistribution::NAME;
+        Ok(Distribution::Normal { mean, deviation: libm::sqrt(variance), log, range })
+    }
 
     /// even between the limits
     UniformDistribution -> Distribution [] {range: Range}
@@ -226,7 +213,7 @@ fn all(node: Node<'_>, choices: Vec<(Place, Sets)>) -> Result<Varied, ReadError>
     match count {
         Some(count) if !choices.is_empty() && count <= MAX_RUNS => {
             let sets = choices.into_iter().map(|(_, (_, sets))| sets).collect();
-            Ok(Varied { combinations: sets, places })
+            Ok((sets, places))
         }
         _ => Err(too_many(node)),
     }
@@ -250,5 +237,5 @@ fn drawn(runs: usize, seed: u64, distributions: Vec<(Place, Drawn)>) -> Result<V
             run.push(Assignment { name: name.clone(), value });
         }
     }
-    Ok(Varied { combinations: vec![values], places })
+    Ok((vec![values], places))
 }

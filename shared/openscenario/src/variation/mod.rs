@@ -13,8 +13,8 @@ use crate::parameter::{Assignment, opened};
 use crate::read;
 use crate::scene::Scene;
 use crate::scope::Scope;
+use file::ParameterValueDistribution;
 pub(crate) use file::VariationFile;
-use file::{ParameterValueDistribution, VariationParts};
 
 /// Most runs of a variation.
 pub const MAX_RUNS: usize = 1_000_000;
@@ -56,11 +56,10 @@ impl Variation {
         let (file, element) = (&document.file, &document.root);
         let node = Node { file, element, scope: &outside, scene: &scene };
         let scope = opened(node, &[])?;
-        let VariationParts { description, scenario, varied } =
-            VariationFile::read(Node { scope: &scope, ..node })?;
+        let read = VariationFile::read(Node { scope: &scope, ..node })?;
         let directory = path.parent().unwrap_or(Path::new(""));
-        let scenario = directory.join(scenario.trim_start_matches("./"));
-        Ok(Self { scenario, description, places: varied.places, combinations: varied.combinations })
+        let below = read.scenario.strip_prefix(".").unwrap_or(&read.scenario);
+        Ok(Self { scenario: directory.join(below), ..read })
     }
 
     /// Adds the place in this file to an error about a value that it gives to a parameter of its scenario.

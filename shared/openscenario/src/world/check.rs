@@ -2,7 +2,6 @@
 
 use crate::model::action::{Action, LaneTarget, OffsetTarget};
 use crate::model::condition::{CollisionWith, EntityTest, Measured, Target, Test};
-use crate::model::position::Position;
 use crate::model::{Category, MAX_ENTITIES, Script};
 use crate::world::WorldError;
 use crate::world::plan::Plan;
@@ -31,23 +30,20 @@ pub(super) fn check(script: &Script, plan: &Plan) -> Result<(), WorldError> {
 type Indices = (Vec<usize>, Vec<usize>);
 
 fn of_action(action: &Action) -> Indices {
-    let positions = |positions: &[&Position]| -> Vec<usize> {
-        positions.iter().filter_map(|position| position.entity()).collect()
-    };
     let entities = match action {
-        Action::Speed { target, .. } => target.entity().into_iter().collect(),
+        Action::Speed { target, .. } => vec![target.entity()],
         Action::LaneChange { target: LaneTarget::Beside { entity, .. }, .. }
         | Action::LaneOffset { target: OffsetTarget::Entity { entity, .. }, .. }
-        | Action::Delete { entity } => vec![*entity],
-        Action::Distance(distance) => vec![distance.entity],
-        Action::Profile(profile) => profile.relative_to.into_iter().collect(),
+        | Action::Delete { entity } => vec![Some(*entity)],
+        Action::Distance(distance) => vec![Some(distance.entity)],
+        Action::Profile(profile) => vec![profile.relative_to],
         Action::Meet(meeting) => {
-            [positions(&[&meeting.goal, &meeting.master_goal]), vec![meeting.master]].concat()
+            vec![Some(meeting.master), meeting.goal.entity(), meeting.master_goal.entity()]
         }
-        Action::Teleport(position) => positions(&[position]),
-        Action::Add { entity, position } => [positions(&[position]), vec![*entity]].concat(),
+        Action::Teleport(position) => vec![position.entity()],
+        Action::Add { entity, position } => vec![Some(*entity), position.entity()],
         Action::Trajectory(line) => {
-            line.vertices.iter().filter_map(|vertex| vertex.position.entity()).collect()
+            line.vertices.iter().map(|vertex| vertex.position.entity()).collect()
         }
         Action::Set { value, .. } | Action::Phase { controller: value, .. } => {
             return (Vec::new(), vec![*value]);
@@ -59,7 +55,7 @@ fn of_action(action: &Action) -> Indices {
         }
         Action::LaneChange { .. } | Action::LaneOffset { .. } | Action::Nothing => Vec::new(),
     };
-    (entities, Vec::new())
+    (entities.into_iter().flatten().collect(), Vec::new())
 }
 
 fn of_test(test: &Test) -> Indices {

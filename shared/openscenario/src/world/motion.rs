@@ -180,8 +180,9 @@ impl World {
             }
             Pace::Match { rate_mps2, .. } => {
                 // An infinite rate times zero seconds would be NaN.
+                let most = rate_mps2 * elapsed_s;
                 let speed = match rate_mps2.is_finite() {
-                    true => toward(before, reference, *rate_mps2 * elapsed_s),
+                    true => before + (reference - before).clamp(-most, most),
                     false => reference,
                 };
                 evenly(before, speed, elapsed_s)
@@ -337,11 +338,6 @@ impl Mover {
 /// Way, speed and acceleration of an even change of the speed.
 fn evenly(before: f64, speed: f64, elapsed_s: f64) -> (f64, f64, f64) {
     (0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s))
-}
-
-/// The value nearest to `target` that is at most `step` from `from`.
-fn toward(from: f64, target: f64, step: f64) -> f64 {
-    from + (target - from).clamp(-step, step)
 }
 
 fn ratio(value: f64, whole: f64) -> f64 {

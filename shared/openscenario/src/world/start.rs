@@ -131,9 +131,19 @@ impl World {
                 self.set_pace(actor, Pace::Meet(meeting.clone()), element);
             }
             Action::LaneChange { target, offset_m, transition } => {
-                if let Some(to_t_m) = self.lane_goal(actor, target) {
-                    self.begin_lane_change(actor, to_t_m + offset_m, transition, element);
-                }
+                let Some(lane_t_m) = self.lane_goal(actor, target) else { return };
+                let (from_t_m, to_t_m) = (self.motion(actor).t_m, lane_t_m + offset_m);
+                let duration_s = transition.duration_s((to_t_m - from_t_m).abs(), 1.0);
+                let by = match transition.dimension {
+                    Dimension::Distance if duration_s > 0.0 => Course::Way {
+                        start_m: self.state.movers[actor].odometer_m,
+                        length_m: transition.value,
+                    },
+                    _ => Course::Time { start_ns: self.state.time_ns, duration_s },
+                };
+                let shape = transition.shape;
+                let shape = LateralShape { from_t_m, to_t_m, by, shape, endless: None };
+                self.set_steer(actor, shape, element);
             }
             Action::LaneOffset { target, shape, max_lateral_mps2, continuous } => {
                 let (to_t_m, follow) = match target {
@@ -156,7 +166,7 @@ impl World {
                 let by = Course::Time { start_ns: self.state.time_ns, duration_s };
                 let endless = continuous.then_some(follow);
                 let shape = LateralShape { from_t_m, to_t_m, by, shape: *shape, endless };
-                self.set_steer(actor, shape, duration_s <= 0.0, element);
+                self.set_steer(actor, shape, element);
             }
             Action::Trajectory(trajectory) => self.begin_path(actor, trajectory, element),
             // A profile that depends on itself is done at once, and so are the world's actions.
@@ -200,28 +210,6 @@ impl World {
             _ => f64::INFINITY,
         };
         self.set_pace(actor, Pace::Match { entity, factor, offset_mps, rate_mps2 }, element);
-    }
-
-    fn begin_lane_change(
-        &mut self,
-        actor: usize,
-        to_t_m: f64,
-        transition: &Transition,
-        element: Option<usize>,
-    ) {
-        let from_t_m = self.motion(actor).t_m;
-        let change = (to_t_m - from_t_m).abs();
-        let start_ns = self.state.time_ns;
-        let start_m = self.state.movers[actor].odometer_m;
-        let duration_s = transition.duration_s(change, 1.0);
-        let by = match transition.dimension {
-            Dimension::Distance if duration_s > 0.0 => {
-                Course::Way { start_m, length_m: transition.value }
-            }
-            _ => Course::Time { start_ns, duration_s },
-        };
-        let shape = LateralShape { from_t_m, to_t_m, by, shape: transition.shape, endless: None };
-        self.set_steer(actor, shape, duration_s == 0.0, element);
     }
 
     fn begin_path(&mut self, actor: usize, trajectory: &Trajectory, element: Option<usize>) {
@@ -301,13 +289,8 @@ impl World {
         self.hold(element);
     }
 
-    fn set_steer(
-        &mut self,
-        actor: usize,
-        shape: LateralShape,
-        immediate: bool,
-        element: Option<usize>,
-    ) {
+    fn set_steer(&mut self, actor: usize, shape: LateralShape, element: Option<usize>) {
+        let immediate = matches!(shape.by, Course::Time { duration_s, .. } if duration_s <= 0.0);
         self.clear(actor, Part::Steer);
         self.clear(actor, Part::Path);
         if immediate && !self.is_external(actor) {

@@ -29,7 +29,7 @@ pub(super) struct Progress {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
-    /// Its parent has not started.
+    /// It has not started, and of an event its maneuver has not.
     #[default]
     Idle,
     Standby,
@@ -62,8 +62,9 @@ impl World {
     /// One step of the storyboard, at the world's present time.
     pub(super) fn storyboard(&mut self) {
         let plan = Arc::clone(&self.plan);
+        let is_story = |index: &usize| plan.elements[*index].kind == ElementKind::Story;
         if self.state.step == 1 {
-            self.start_stories();
+            (0..plan.elements.len()).filter(is_story).for_each(|story| self.run(story));
         }
         // Each part starts and ends at most once.
         for _ in 0..=2 * plan.elements.len() {
@@ -93,21 +94,12 @@ impl World {
         }
     }
 
-    fn start_stories(&mut self) {
-        for index in 0..self.state.progress.len() {
-            match self.plan.elements[index].kind {
-                ElementKind::Story => self.run(index),
-                ElementKind::Act => self.state.progress[index].phase = Phase::Standby,
-                _ => {}
-            }
-        }
-    }
-
     fn act(&mut self, plan: &Plan, index: usize) {
         let Element { start, stop, end, .. } = &plan.elements[index];
         let phase = self.state.progress[index].phase;
         match phase {
-            Phase::Standby if self.fires(start) != Some(false) => {
+            // All stories have started, so that an act stands by from the first step on.
+            Phase::Idle if self.fires(start) != Some(false) => {
                 self.run(index);
                 for inner in index + 1..*end {
                     if plan.elements[inner].kind == ElementKind::ManeuverGroup {

@@ -28,12 +28,17 @@ impl World {
             LaneTarget::Lane(id) => road.lane(s_m, id).map(|lane| lane.center_m),
             LaneTarget::Lateral(t_m) => Some(t_m),
             LaneTarget::Beside { entity, lanes_left } => {
-                let other = self.motion(entity);
-                let left = if other.direction() > 0.0 { lanes_left } else { -lanes_left };
-                let lane = road.lane_beside(other.s_m, other.t_m, left)?;
-                Some(lane.center_m + road.drift(other.s_m, lane.center_m, s_m))
+                self.lane_beside(&self.motion(entity), lanes_left, s_m)
             }
         }
+    }
+
+    /// The middle of a lane to the left of another entity's, where that is at `s_m`.
+    fn lane_beside(&self, other: &Motion, lanes_left: i32, s_m: f64) -> Option<f64> {
+        let road = &self.script.road;
+        let left = if other.direction() > 0.0 { lanes_left } else { -lanes_left };
+        let lane = road.lane_beside(other.s_m, other.t_m, left)?;
+        Some(lane.center_m + road.drift(other.s_m, lane.center_m, s_m))
     }
 
     /// `s`, `t` and heading of a position, if the entity that it refers to is on the road.
@@ -60,7 +65,6 @@ impl World {
         if !other.present {
             return None;
         }
-        let road = &self.script.road;
         Some(match offset {
             Offset::Road { ds_m, dt_m } => (other.s_m + ds_m, other.t_m + dt_m),
             Offset::Plane { dx_m, dy_m } => {
@@ -71,12 +75,8 @@ impl World {
                 self.ground.project(self.pose(other).to_world(ahead_m, left_m), other.s_m)
             }
             Offset::Lane { lanes_left, ds_m, offset_m } => {
-                let direction = other.direction();
-                let left = if direction > 0.0 { lanes_left } else { -lanes_left };
-                let lane = road.lane_beside(other.s_m, other.t_m, left)?;
-                let s_m = other.s_m + direction * ds_m;
-                let center_m = lane.center_m + road.drift(other.s_m, lane.center_m, s_m);
-                (s_m, center_m + offset_m)
+                let s_m = other.s_m + other.direction() * ds_m;
+                (s_m, self.lane_beside(other, lanes_left, s_m)? + offset_m)
             }
         })
     }

@@ -15,6 +15,7 @@ use road::AxisError;
 
 use crate::actor::MAX_ACTORS;
 use crate::plan::{Lanes, OpendriveRoad, Plan, Start};
+use crate::plant::Plant;
 use crate::quantity::{Distance, LaneId};
 use crate::reading::Foreign;
 use crate::storyboard::Storyboard;
@@ -58,16 +59,21 @@ pub(crate) fn translated(
     })?;
     let printable = read.description.chars().filter(|c| !c.is_control());
     let ego_mps = world.motion(script.ego).speed_mps;
+    let mut plant = table! {
+        initial_speed_mps: ego_mps,
+        length_m: script.entities[script.ego].body.length_m,
+    };
+    if read.friction != 1.0 {
+        let usual_mps2 = Plant::default().min_acceleration_mps2.value();
+        plant.insert("min_acceleration_mps2".to_owned(), (read.friction * usual_mps2).into());
+    }
     let mut keys = table! {
         schema_version: SCHEMA_VERSION,
         name: word(path.file_stem().and_then(|stem| stem.to_str()), "scenario"),
         description: printable.take(MAX_LINE).collect::<String>(),
         duration_s: ends_after(&script).unwrap_or(DEFAULT_DURATION_S),
         set_speed_mps: read.set_speed_mps.unwrap_or(ego_mps),
-        plant: table! {
-            initial_speed_mps: ego_mps,
-            length_m: script.entities[script.ego].body.length_m,
-        },
+        plant: plant,
         actors: actors_of(&script, &world, way.as_ref()),
     };
     if !road.is_empty() {
@@ -311,6 +317,25 @@ mod tests {
         let gap_m = (29.325 - 5.0) * (1.0 - 0.03 * 1.5) - 0.05;
         let found_m = scenario.actors[0].gap_m.value();
         assert!((found_m - gap_m).abs() < 0.01, "{found_m} {gap_m}");
+    }
+
+    #[test]
+    fn the_friction_of_init_is_a_factor_of_the_egos_strongest_deceleration() {
+        let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario");
+        let text = std::fs::read_to_string(format!("{examples}/cut_in.xosc")).expect("an example");
+        let road = "<Actions><GlobalAction><EnvironmentAction><Environment name=\"e\">\
+                    <RoadCondition frictionScaleFactor=\"0.4\"/></Environment></EnvironmentAction></GlobalAction>";
+        let text = text.replacen("<Actions>", road, 1).replace("\"./", &format!("\"{examples}/"));
+        let file =
+            std::env::temp_dir().join(format!("timegap-slippery-{}.xosc", std::process::id()));
+        std::fs::write(&file, text).expect("ours");
+        let all = |_: &Scenario| Ok(Default::default());
+        let read =
+            Scenario::open_openscenario(&file, &Choices::default(), &Default::default(), &all);
+        std::fs::remove_file(&file).expect("ours");
+        let found_mps2 = read.unwrap_or_else(|error| panic!("{error}")).plant.min_acceleration_mps2;
+        let usual_mps2 = Plant::default().min_acceleration_mps2.value();
+        assert_eq!(found_mps2.value(), 0.4 * usual_mps2);
     }
 
     #[test]

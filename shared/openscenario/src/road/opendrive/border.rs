@@ -12,10 +12,7 @@ use crate::xml::Element;
 /// A width below 0 up to which it is the rounding of a program that wrote the file, m.
 pub const MOST_BELOW_M: f64 = 0.01;
 
-/// A lane with its links to the sections before and after.
-pub type Linked = (Lane, Option<i32>, Option<i32>);
-
-/// A lane as its element describes it: by widths, or by borders.
+/// A lane as its element describes it, by widths or by borders, with its links to the sections before and after.
 pub struct Outlined<'a> {
     pub lane: Lane,
     pub before: Option<i32>,
@@ -24,13 +21,13 @@ pub struct Outlined<'a> {
 }
 
 /// Gives lanes with borders their widths. The lanes of a side come from the middle outwards.
-pub fn resolve(
+pub fn resolve<'a>(
     text: Text<'_>,
-    lanes: Vec<Outlined<'_>>,
+    mut lanes: Vec<Outlined<'a>>,
     side: &str,
     (from_m, to_m): (f64, f64),
     offset: &Profile,
-) -> Result<Vec<Linked>, ReadError> {
+) -> Result<Vec<Outlined<'a>>, ReadError> {
     let bordered = lanes.iter().find_map(|lane| lane.borders.first()).map(|(border, _)| *border);
     if let Some(border) = bordered
         && offset.stretches().iter().any(|stretch| stretch.factors != [0.0; 4])
@@ -40,8 +37,7 @@ pub fn resolve(
     }
     let sign = if side == "left" { 1.0 } else { -1.0 };
     let mut outer = Profile::default();
-    let mut resolved = Vec::with_capacity(lanes.len());
-    for Outlined { mut lane, before, after, borders } in lanes {
+    for Outlined { lane, borders, .. } in &mut lanes {
         if let Some((first, _)) = borders.first() {
             let line = Profile::new(borders.iter().map(|(_, stretch)| *stretch).collect());
             lane.width = Profile::sum(&[(sign, &line), (-1.0, &outer)], from_m, to_m);
@@ -58,7 +54,6 @@ pub fn resolve(
         if bordered.is_some() {
             outer = Profile::sum(&[(1.0, &outer), (1.0, &lane.width)], from_m, to_m);
         }
-        resolved.push((lane, before, after));
     }
-    Ok(resolved)
+    Ok(lanes)
 }

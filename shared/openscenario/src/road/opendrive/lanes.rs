@@ -134,7 +134,7 @@ fn read_section(
     let left_count = left.len();
     let mut links = Links { before: Vec::new(), after: Vec::new() };
     let mut lanes = Vec::with_capacity(right.len() + left_count);
-    for (lane, before, after) in right.into_iter().rev().chain(left) {
+    for Outlined { lane, before, after, .. } in right.into_iter().rev().chain(left) {
         links.before.push(Link { id: lane.id, to: before });
         links.after.push(Link { id: lane.id, to: after });
         lanes.push(lane);

@@ -142,34 +142,31 @@ impl<'a> Row<'a> {
         let mut whole: Option<(Road, Vec<Link>, Pose)> = None;
         for (number, member) in self.members.iter().enumerate() {
             let Read { road: mut next, end, first, last } = member.read(text, &mut notices)?;
-            let end = match (end, number == self.asked) {
-                (Ok(end), _) => end,
-                (Err(error), true) => return Err(error),
-                (Err(error), false) => {
-                    notices.push(format!("the row of roads ends there: {error}"));
-                    if number > self.asked {
-                        break;
-                    }
-                    whole = None;
-                    continue;
+            let ends_before = match (&end, &whole) {
+                (Err(error), _) if number == self.asked => return Err(error.clone()),
+                (Err(error), _) => Some(format!("the row of roads ends there: {error}")),
+                (Ok(_), Some((.., last_end))) if !is_joined(last_end, &next.pieces[0].start) => {
+                    Some(format!(
+                        "{}: road `{}` is linked to the one before, and their reference lines do not meet: the row of \
+                         roads ends between them",
+                        text.place(member.road),
+                        next.parts[0].id
+                    ))
                 }
+                _ => None,
             };
+            if let Some(notice) = ends_before {
+                notices.push(notice);
+                if number > self.asked {
+                    break;
+                }
+                whole = None;
+            }
+            let Ok(end) = end else { continue };
             let Some((road, last_links, last_end)) = &mut whole else {
                 whole = Some((next, last, end));
                 continue;
             };
-            if !is_joined(last_end, &next.pieces[0].start) {
-                notices.push(format!(
-                    "{}: road `{}` is linked to the one before, and their reference lines do not meet: the row of roads \
-                     ends between them",
-                    text.place(member.road), next.parts[0].id
-                ));
-                if number > self.asked {
-                    break;
-                }
-                whole = Some((next, last, end));
-                continue;
-            }
             let turned = road.parts.last().is_some_and(|part| part.reversed) != member.reversed;
             next.parts[0].from_m = road.lanes.length_m;
             let next_m = next.lanes.length_m;
