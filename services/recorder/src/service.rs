@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 /// Time between two looks at the topics in lockstep, where senders wait for room.
 const LOCKSTEP_POLL: Duration = Duration::from_millis(1);
 /// The same in realtime, in periods of the plant: a topic's buffer holds fifty.
-const REALTIME_POLL: i64 = 5;
+const REALTIME_POLL: u32 = 5;
 /// Most bytes that wait for the disk.
 const MOST_QUEUED: usize = 64 << 20;
 /// Longest that a message waits before it is handed to the system; in lockstep, simulated time.
@@ -110,11 +110,10 @@ fn follow(
     disk: &Disk,
     mut sequencer: Sequencer,
 ) -> Result<Tally, RuntimeError> {
+    let step = Duration::from_nanos(group.timetable.step_ns.unsigned_abs());
     let poll = match group.mode {
         Mode::Lockstep => LOCKSTEP_POLL,
-        Mode::Realtime => {
-            Duration::from_nanos((REALTIME_POLL * group.timetable.step_ns).unsigned_abs())
-        }
+        Mode::Realtime => REALTIME_POLL * step,
     };
     let mut counter = Counter::default();
     let mut finishing = false;
@@ -147,13 +146,8 @@ fn kept(path: &Path, sent: &Tally) -> Tally {
         Recording::open(path).map_or_else(|_| Tally::default(), |file| file.survey().tally);
     let topics = sent.topics.iter().map(|(name, sent)| {
         let messages = in_file.topics.get(name).map_or(0, |topic| topic.messages);
-        (
-            name.clone(),
-            TopicTally {
-                messages,
-                lost: sent.messages.saturating_add(sent.lost).saturating_sub(messages),
-            },
-        )
+        let lost = sent.messages.saturating_add(sent.lost).saturating_sub(messages);
+        (name.clone(), TopicTally { messages, lost })
     });
     Tally { topics: topics.collect(), incarnations: sent.incarnations.clone() }
 }

@@ -85,11 +85,9 @@ impl Cycle {
             return Some(format!("the command of its cycle {number} was not recorded"));
         }
         let origins = inputs(&cycle.header.origins);
-        let (topic, origin) =
-            INPUTS.into_iter().zip(origins).enumerate().find_map(|(index, (topic, origin))| {
-                is_missing(index, origin, &self.samples).then_some((topic, origin))
-            })?;
-        let (sample, topic) = (origin.sequence, topic.name());
+        let is_missing = |&index: &usize| is_missing(index, origins[index], &self.samples);
+        let index = (0..INPUTS.len()).find(is_missing)?;
+        let (sample, topic) = (origins[index].sequence, INPUTS[index].name());
         Some(format!(
             "message {sample} of `{topic}`, which its cycle {number} used, was not recorded"
         ))
@@ -172,8 +170,7 @@ impl Cycles {
         for (((window, topic), origin), sample) in windows.zip(origins).zip(&mut samples) {
             *sample = window.find(origin, topic.rides_with().is_some());
         }
-        let mut all = origins.into_iter().enumerate();
-        is_whole &= !all.any(|(index, origin)| is_missing(index, origin, &samples));
+        is_whole &= !(0..INPUTS.len()).any(|index| is_missing(index, origins[index], &samples));
         Some((Cycle { diagnostics, command, samples }, is_whole))
     }
 }

@@ -104,7 +104,7 @@ impl Walk<'_> {
         let index = match (field.repeat, index) {
             (Repeat::Once, None) => 0,
             (Repeat::Fixed(count), Some(index)) if index < count => index,
-            (Repeat::Counted, Some(index)) => match self.word()? as usize {
+            (Repeat::Counted, Some(index)) => match self.bits(4)? as usize {
                 count if index < count => index,
                 // An array that is too short in this message has no number there.
                 _ => return Ok(None),
@@ -117,8 +117,7 @@ impl Walk<'_> {
         match &field.kind {
             Kind::Scalar(scalar) if rest.is_empty() => self.scalar(*scalar),
             Kind::Struct(name) if rest.is_empty() && self.definition.is_time(name) => {
-                let seconds = i32::from_le_bytes(self.take()?);
-                Ok(Some(f64::from(seconds) + f64::from(self.word()?) * 1e-9))
+                Ok(Some(self.signed(4)? + self.bits(4)? as f64 * 1e-9))
             }
             Kind::Struct(name) if !rest.is_empty() => self.find(name, rest, depth + 1),
             _ => Ok(None),
@@ -127,21 +126,12 @@ impl Walk<'_> {
 
     fn scalar(&mut self, scalar: Scalar) -> Result<Option<f64>, Misfit> {
         Ok(Some(match scalar {
-            Scalar::Unsigned(1) => f64::from(u8::from_le_bytes(self.take()?)),
-            Scalar::Unsigned(2) => f64::from(u16::from_le_bytes(self.take()?)),
-            Scalar::Unsigned(4) => f64::from(u32::from_le_bytes(self.take()?)),
-            Scalar::Unsigned(_) => u64::from_le_bytes(self.take()?) as f64,
-            Scalar::Signed(1) => f64::from(i8::from_le_bytes(self.take()?)),
-            Scalar::Signed(2) => f64::from(i16::from_le_bytes(self.take()?)),
-            Scalar::Signed(4) => f64::from(i32::from_le_bytes(self.take()?)),
-            Scalar::Signed(_) => i64::from_le_bytes(self.take()?) as f64,
-            Scalar::Float(4) => f64::from(f32::from_le_bytes(self.take()?)),
-            Scalar::Float(_) => f64::from_le_bytes(self.take()?),
-            Scalar::Time => f64::from(self.word()?) + f64::from(self.word()?) * 1e-9,
-            Scalar::Duration => {
-                let seconds = i32::from_le_bytes(self.take()?);
-                f64::from(seconds) + f64::from(i32::from_le_bytes(self.take()?)) * 1e-9
-            }
+            Scalar::Unsigned(bytes) => self.bits(bytes)? as f64,
+            Scalar::Signed(bytes) => self.signed(bytes)?,
+            Scalar::Float(4) => f64::from(f32::from_bits(self.bits(4)? as u32)),
+            Scalar::Float(_) => f64::from_bits(self.bits(8)?),
+            Scalar::Time => self.bits(4)? as f64 + self.bits(4)? as f64 * 1e-9,
+            Scalar::Duration => self.signed(4)? + self.signed(4)? * 1e-9,
             Scalar::Text => return Ok(None),
         }))
     }
@@ -150,7 +140,7 @@ impl Walk<'_> {
         let count = match field.repeat {
             Repeat::Once => 1,
             Repeat::Fixed(count) => count,
-            Repeat::Counted => self.word()? as usize,
+            Repeat::Counted => self.bits(4)? as usize,
         };
         (0..count).try_for_each(|_| self.skip(&field.kind, depth))
     }
@@ -159,10 +149,12 @@ impl Walk<'_> {
         self.budget = self.budget.checked_sub(1).ok_or(Misfit)?;
         match kind {
             Kind::Scalar(Scalar::Text) => {
-                let length = self.word()? as usize;
+                let length = self.bits(4)? as usize;
                 self.pass(length)
             }
-            Kind::Scalar(Scalar::Time | Scalar::Duration) => self.word().and(self.word()).map(drop),
+            Kind::Scalar(Scalar::Time | Scalar::Duration) => {
+                self.bits(4).and(self.bits(4)).map(drop)
+            }
             Kind::Scalar(
                 Scalar::Signed(bytes) | Scalar::Unsigned(bytes) | Scalar::Float(bytes),
             ) => {
@@ -192,14 +184,18 @@ impl Walk<'_> {
         Ok(())
     }
 
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Misfit> {
-        self.align(N);
+    /// Takes a number of so many bytes, little-endian, as its bits.
+    fn bits(&mut self, bytes: usize) -> Result<u64, Misfit> {
+        self.align(bytes);
         let begin = self.at;
-        self.pass(N)?;
-        Ok(self.bytes[begin..self.at].try_into().expect("as many as were passed"))
+        self.pass(bytes)?;
+        let bytes = self.bytes[begin..self.at].iter().rev();
+        Ok(bytes.fold(0, |bits, byte| bits << 8 | u64::from(*byte)))
     }
 
-    fn word(&mut self) -> Result<u32, Misfit> {
-        self.take().map(u32::from_le_bytes)
+    /// Takes a number in two's complement.
+    fn signed(&mut self, bytes: usize) -> Result<f64, Misfit> {
+        let rest = 64 - 8 * bytes;
+        Ok((((self.bits(bytes)? << rest) as i64) >> rest) as f64)
     }
 }

@@ -6,7 +6,7 @@ use crate::definition::Definition;
 use crate::error::one_of;
 use crate::mcap::{self, Connection, Sink};
 use std::collections::BTreeMap;
-use std::fs::File;
+use std::fs::{File, ReadDir};
 use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
@@ -56,12 +56,8 @@ pub struct Series {
 
 /// True if the file at `path` begins like a bag, or a file in the folder `path`. Bags that are not read count too.
 pub fn is_bag(path: &Path) -> bool {
-    if path.is_dir() {
-        return path
-            .read_dir()
-            .is_ok_and(|entries| entries.flatten().any(|e| is_bag_file(&e.path())));
-    }
-    is_bag_file(path)
+    let has_bag = |entries: ReadDir| entries.flatten().any(|entry| is_bag_file(&entry.path()));
+    is_bag_file(path) || path.read_dir().is_ok_and(has_bag)
 }
 
 fn is_bag_file(path: &Path) -> bool {
@@ -109,14 +105,7 @@ fn collect(
     fields: &[String],
     read: impl FnOnce(&mut Choice<'_>) -> Result<(), BagError>,
 ) -> Result<Series, BagError> {
-    let mut choice = Choice {
-        topic,
-        fields,
-        sources: BTreeMap::new(),
-        type_name: String::new(),
-        rows: Vec::new(),
-        topics: Vec::new(),
-    };
+    let mut choice = Choice { topic, fields, ..Choice::default() };
     read(&mut choice)?;
     let Choice { sources, type_name, mut rows, mut topics, .. } = choice;
     if sources.is_empty() {
@@ -198,6 +187,7 @@ impl Sink for Listing {
 }
 
 /// Collects the rows of one topic.
+#[derive(Default)]
 struct Choice<'a> {
     topic: &'a str,
     fields: &'a [String],

@@ -157,13 +157,9 @@ impl Scenario {
     fn or_elsewhere(problem: Problem) -> Problem {
         let name = problem.path.rsplit('.').next().unwrap_or_default();
         let is_open = problem.is_of_key && !problem.expected.contains("(did you mean");
-        match crate::path_of(name).filter(|_| is_open) {
-            Some(path) => {
-                let expected = format!("{} (did you mean `{path}`?)", problem.expected);
-                Problem { expected, ..problem }
-            }
-            None => problem,
-        }
+        let Some(path) = crate::path_of(name).filter(|_| is_open) else { return problem };
+        let expected = format!("{} (did you mean `{path}`?)", problem.expected);
+        Problem { expected, ..problem }
     }
 
     /// Gives keys that were not written the values that follow from others.
@@ -242,8 +238,7 @@ impl Source {
 
     /// A drive of the ego through a configuration of SUMO.
     pub fn of_sumo(path: &Path, ego: &str) -> Self {
-        let name =
-            crate::translation::word(path.file_stem().and_then(|stem| stem.to_str()), "sumo");
+        let name = translation::word(path.file_stem().and_then(|stem| stem.to_str()), "sumo");
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let root = table! {
             schema_version: SCHEMA_VERSION,

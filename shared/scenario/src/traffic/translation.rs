@@ -149,10 +149,8 @@ fn road_of(script: &Script, world: &World) -> Result<(Table, Option<Way>), AxisE
     let (axis, begin) = line.axis()?;
     let mut keys = Table::new();
     if !points.is_empty() {
-        keys.insert(
-            "points".to_owned(),
-            points.into_iter().map(|point| point.to_vec()).collect::<Vec<_>>().into(),
-        );
+        let points: Vec<_> = points.into_iter().map(|point| point.to_vec()).collect();
+        keys.insert("points".to_owned(), points.into());
     }
     if !is_curved {
         return Ok((keys, None));
