@@ -40,8 +40,26 @@ fn every_finding_has_its_shape() {
     corner.expect_nothing_left(&[]);
 }
 
+/// Cores of each interrupt, and each core's frequency governor.
+fn tuning() -> Vec<(std::path::PathBuf, String)> {
+    let folders = [
+        ("/proc/irq", "smp_affinity_list"),
+        ("/sys/devices/system/cpu", "cpufreq/scaling_governor"),
+    ];
+    let files = folders.into_iter().flat_map(|(folder, file)| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(move |entry| entry.path().join(file))
+    });
+    let mut all: Vec<_> = files
+        .filter_map(|path| Some((path.clone(), std::fs::read_to_string(path).ok()?)))
+        .collect();
+    all.sort();
+    all
+}
+
+/// One test, since trials change the machine for their time.
 #[test]
-fn the_users_own_loop_is_answered_first() {
+fn the_users_own_loop_is_answered_first_and_trials_leave_the_machine_as_it_was() {
     let corner = Corner::new(PROGRAM);
     let own = ["doctor", "--period-ms", "2", "--budget-ms", "0.5", "--for", "0.1"];
     let said = String::from_utf8(corner.run(&own).stdout).expect("text");
@@ -50,6 +68,32 @@ fn the_users_own_loop_is_answered_first() {
     assert!(first.starts_with(begins) && first.contains(" of 50 late, worst "), "{first}");
     let refused = corner.run(&["doctor", "--budget-ms", "0.5"]);
     assert_eq!(refused.status.code(), Some(2), "{}", text(&refused));
+
+    let before = tuning();
+    let own = ["doctor", "--period-ms", "1", "--for", "0.6", "--json"];
+    let report: serde_json::Value =
+        serde_json::from_slice(&corner.run(&own).stdout).expect("one object");
+    let trials = report["trials"].as_array().expect("a list");
+    let names: Vec<_> = trials.iter().filter_map(|trial| trial["change"].as_str()).collect();
+    for name in ["idle states off", "interrupts on other cores", "isolated core", "PREEMPT_RT"] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    let is_tried = |trial: &serde_json::Value| trial["with"]["wakes"].as_u64() > Some(0);
+    assert!(
+        trials.iter().all(|trial| trial["not_tried"].is_null() == is_tried(trial)),
+        "{trials:?}"
+    );
+    assert_eq!(tuning(), before);
+    // The trials begin after the loop's own measurement; where in them the signal comes does not matter.
+    for wait_ms in [900, 1500] {
+        let mut child = corner.command(&own).spawn().expect("it starts");
+        std::thread::sleep(std::time::Duration::from_millis(wait_ms));
+        let pid = rustix::process::Pid::from_child(&child);
+        // It may have ended.
+        let _ = rustix::process::kill_process(pid, rustix::process::Signal::TERM);
+        child.wait().expect("ours");
+        assert_eq!(tuning(), before);
+    }
 }
 
 #[test]

@@ -22,7 +22,6 @@ mod hub;
 mod inject;
 mod live;
 mod protocol;
-mod recorded;
 mod server;
 mod viewer;
 

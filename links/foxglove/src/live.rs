@@ -1,17 +1,17 @@
-//! The bridge of a run in progress: started with it by the supervisor, or later by a person.
+//! The bridge of a run in progress, started with it by the supervisor or later by a person, and of a recording.
 
 use crate::inject::{announcement, injector, parameters};
 use crate::port;
 use crate::protocol::Subject;
-use crate::recorded::{hand_on, play};
 use crate::server::Server;
-use messages::Header;
+use messages::{Header, Topic};
 use recorder::{
     Encoder, FILE, FromRecorder, Metadata, Recording, Start, Taps, ToRecorder, orders, say,
 };
 use runtime::{Group, Guest, Mode, log_warnings, monotonic_ns};
 use scenario::Scenario;
 use serde::Deserialize;
+use std::convert::Infallible;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 use supervise::{Error, MachineError, UsageError};
 use supervise::{hold_signals, is_alive, is_signalled, law_names};
 
-/// Time between two looks at the topics; their buffers hold half a second.
+/// Time between two looks at the topics, whose buffers hold half a second, or at the viewers of a recording.
 const REALTIME_POLL: Duration = Duration::from_millis(20);
 /// The same in lockstep, which is as fast as it can be. What comes between two looks may be lost.
 const LOCKSTEP_POLL: Duration = Duration::from_millis(1);
@@ -185,4 +185,46 @@ fn follow(
 
 fn published_ns(message: &[u8]) -> i64 {
     bytemuck::pod_read_unaligned::<Header>(&message[..size_of::<Header>()]).publish_ns
+}
+
+/// Plays all of a recording, from the moment at which the first viewer subscribes. Status 1 if parts of it are damaged,
+/// which lines name.
+fn play(recording: &Recording, server: Server, speed: f64) -> ExitCode {
+    while !server.is_watched() && !is_signalled() {
+        std::thread::sleep(REALTIME_POLL);
+    }
+    let mut encoder = Encoder::of(recording.metadata());
+    let begun = Instant::now();
+    let (mut first_ns, mut shown) = (None, Duration::ZERO);
+    let mut records = recording.records();
+    for record in records.by_ref().take_while(|_| !is_signalled()) {
+        let run_ns = record.log_time_ns - *first_ns.get_or_insert(record.log_time_ns);
+        let due = Duration::from_nanos(run_ns.unsigned_abs()).div_f64(speed);
+        // Messages of one look are sent together.
+        if due > shown + REALTIME_POLL {
+            std::thread::sleep(due.saturating_sub(begun.elapsed()));
+            shown = due;
+        }
+        let message = (record.topic, record.log_time_ns, record.bytes());
+        server.send_time(hand_on(&mut encoder, message, &server));
+    }
+    server.end("the recording has ended", || !is_signalled());
+    let damage: Vec<_> = recording.damage().iter().chain(records.damage()).collect();
+    damage.iter().for_each(|damage| eprintln!("{}: {damage}", recording.path().display()));
+    if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Sends a message, and what is drawn by it; the instant in ns since 1970.
+fn hand_on(
+    encoder: &mut Encoder,
+    (topic, run_ns, bytes): (Topic, i64, &[u8]),
+    server: &Server,
+) -> u64 {
+    let mut unix_ns = 0;
+    let Ok(()) = encoder.encode(topic, run_ns, bytes, |head, payload| {
+        unix_ns = head.log_time;
+        server.send(head.channel_id, head.log_time, payload);
+        Ok::<(), Infallible>(())
+    });
+    unix_ns
 }

@@ -7,14 +7,13 @@ use super::wake;
 use runtime::scheduling::usable_cores;
 use runtime::{Group, Mode, SharedWords, Timetable};
 use rustix::event::{EventfdFlags, eventfd};
-use std::io::Read;
 use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Stdio};
+use std::process::Stdio;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use supervise::{Error, Janitor, RunRoot, check_room, this_program};
+use supervise::{Attendant, Error, Janitor, RunRoot, check_room, this_program};
 
 /// Priorities as of a group's services: the source runs before the sink.
 const SOURCE_PRIORITY: u8 = 81;
@@ -31,45 +30,32 @@ const ROOM: u64 = 64 << 20;
 /// A process of the benchmark, killed with its handle.
 #[derive(Debug)]
 pub struct Peer {
-    child: Child,
+    attendant: Attendant,
     interrupted: Arc<AtomicBool>,
 }
 
 impl Peer {
     /// End of the process, if it has ended: true if it was successful.
     fn ended(&mut self) -> Option<bool> {
-        self.child.try_wait().ok().flatten().map(|status| status.success())
+        self.attendant.process.poll().map(|status| status.success())
     }
 
-    /// The outcome of its job, once it has ended.
+    /// The outcome of its job, once it has ended. Its errors are on standard error.
     pub fn finish(mut self) -> Result<Outcome, Error> {
-        let status = loop {
-            // Its output fits into a pipe, so that it ends without being read.
-            if let Some(status) = self.child.try_wait().map_err(failed("wait for a process"))? {
-                break status;
+        loop {
+            let has_ended = self.ended().is_some();
+            // Its last line may still be on its way.
+            let wait = if has_ended { PATIENCE } else { LOOK };
+            if let Some(outcome) = self.attendant.receive(wait) {
+                return Ok(outcome);
+            }
+            if has_ended {
+                return Err(failed("measure")("a process ended without its outcome").into());
             }
             if self.interrupted.load(Ordering::Relaxed) {
                 return Err(Error::Interrupted);
             }
-            std::thread::sleep(LOOK);
-        };
-        let read = |pipe: Option<&mut dyn Read>| {
-            let mut text = String::new();
-            let read = pipe.map_or(Ok(0), |pipe| pipe.read_to_string(&mut text));
-            read.map_err(failed("read from a process")).map(|_| text)
-        };
-        let said = read(self.child.stdout.as_mut().map(|pipe| pipe as &mut dyn Read))?;
-        let wrote = read(self.child.stderr.as_mut().map(|pipe| pipe as &mut dyn Read))?;
-        serde_json::from_str(&said)
-            .map_err(|_| failed("measure")(format!("{status}: {}", wrote.trim())).into())
-    }
-}
-
-impl Drop for Peer {
-    fn drop(&mut self) {
-        // Its own child; after its end this does nothing.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        }
     }
 }
 
@@ -260,16 +246,15 @@ impl Stage {
             period_ns: i64::from(period_us) * 1000,
         };
         let job = serde_json::to_string(&job).expect("plain data");
-        let child = this_program(&["service", "bench"])?
+        let mut command = this_program(&["service", "bench"])?;
+        command
             .arg0("timegap-bench")
             .arg(self.root().path())
             .arg(job)
             .stdin(stdin.map_or_else(Stdio::null, Stdio::from))
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(failed("start a process"))?;
-        Ok(Peer { child, interrupted: Arc::clone(&self.interrupted) })
+            .stdout(Stdio::piped());
+        let attendant = Attendant::start(command, "bench", 0)?;
+        Ok(Peer { attendant, interrupted: Arc::clone(&self.interrupted) })
     }
 }
 

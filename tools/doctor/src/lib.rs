@@ -66,7 +66,7 @@ struct Report {
     host: Host,
     findings: Vec<Finding>,
     wake_ups: WakeUps,
-    /// Changes that were tried on the user's own loop.
+    /// Changes for the user's own loop, tried where the machine grants them.
     trials: Vec<trials::Trial>,
 }
 
@@ -77,7 +77,11 @@ pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
     let ok = findings.iter().all(|finding| finding.verdict == Verdict::Ok);
     let own = arguments.own.loops();
     let trials = match own.as_slice() {
-        [each] => trials::measure(*each, arguments.seconds),
+        [each] => {
+            // A signal ends the trials after they have taken their changes back.
+            supervise::hold_signals()?;
+            trials::measure(*each, arguments.seconds)?
+        }
         _ => Vec::new(),
     };
     let report = Report { schema_version: 1, ok, can_run, host, findings, wake_ups, trials };
@@ -112,17 +116,17 @@ fn examine(host: &Host, arguments: &DoctorArguments) -> (Vec<Finding>, WakeUps) 
     let sys = |name: &str| machine::read(format!("/sys/devices/system/{name}"));
     let proc = |name: &str| machine::read(format!("/proc/{name}"));
     let online = sys("cpu/online").unwrap_or_default();
-    let before = machine::stat();
+    let before = proc("stat").unwrap_or_default();
     let (wake_ups, _) = wake_ups::measure(&arguments.own.loops(), arguments.seconds);
-    let after = machine::stat();
+    let after = proc("stat").unwrap_or_default();
     let memory = storage::available_memory(&proc("meminfo").unwrap_or_default());
     let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
-    let base = machine::base();
+    let room = supervise::shared_memory_room().map(|(size, free)| storage::Room { size, free });
     let program = std::env::current_exe().unwrap_or_else(|_| "timegap".into());
     let clock = |name: &str| sys(&format!("clocksource/clocksource0/{name}_clocksource"));
     let mut findings = vec![
-        storage::shared_memory(machine::shared_memory(), needed, memory),
-        storage::run_directory(base.as_deref(), runtime.as_deref()),
+        storage::shared_memory(room, needed, memory),
+        storage::run_directory(machine::base().as_deref(), runtime.as_deref()),
         storage::leftovers(&supervise::dead_runs()),
         processor::affinity(&cores, &online),
         scheduling::policy(&granted, root, &program),
@@ -142,22 +146,9 @@ fn examine(host: &Host, arguments: &DoctorArguments) -> (Vec<Finding>, WakeUps) 
         processor::clock_source(clock("current").as_deref(), clock("available").as_deref()),
         processor::steal(&before, &after),
     ];
-    let worst = findings.iter().filter(|finding| LOOPS.contains(&finding.check));
-    let worst = worst.filter(|finding| finding.fix.is_some()).max_by_key(|f| f.verdict);
-    let fix = worst.and_then(|finding| finding.fix.clone());
-    findings.insert(0, wake_ups.finding(fix));
+    findings.insert(0, wake_ups.finding());
     (findings, wake_ups)
 }
-
-/// Checks whose state delays a loop.
-const LOOPS: [&str; 6] = [
-    "real-time priority",
-    "real-time throttling",
-    "kernel",
-    "isolated cores",
-    "frequency governor",
-    "idle states",
-];
 
 /// The findings in one line.
 fn conclusion(report: &Report) -> String {

@@ -2,7 +2,6 @@
 
 use super::cgroup::{self, Limit, Limits};
 use super::processor::IdleState;
-use super::storage::Room;
 use runtime::scheduling::{self, Granted, Policy, Request};
 use std::path::{Path, PathBuf};
 use supervise::MachineError;
@@ -59,15 +58,6 @@ pub fn idle_states(core: usize) -> Vec<IdleState> {
         })
     };
     (0..).map_while(state).collect()
-}
-
-/// Processor times so far.
-pub fn stat() -> String {
-    read("/proc/stat").unwrap_or_default()
-}
-
-pub fn shared_memory() -> Result<Room, MachineError> {
-    supervise::shared_memory_room().map(|(size, free)| Room { size, free })
 }
 
 /// Directory for the sockets of all runs. It is created, and removed again unless it holds runs.

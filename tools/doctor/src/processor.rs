@@ -30,7 +30,7 @@ pub fn affinity(usable: &[usize], online: &str) -> Finding {
 }
 
 /// The cores of a list in the kernel's form: `0-3,8`.
-fn list(text: &str) -> Vec<usize> {
+pub fn list(text: &str) -> Vec<usize> {
     let ranges = text.trim().split(',').filter_map(|range| {
         let (first, last) = range.split_once('-').unwrap_or((range, range));
         Some(first.parse::<usize>().ok()?..=last.parse().ok()?)

@@ -1,138 +1,207 @@
 //! The effect of a change on the user's loop, measured by trying it: blocks with and without it take turns.
 //!
-//! A change that this process may not make is left out: its finding has the command. So is one that would outlive a
-//! killed process, such as a frequency governor. The kernel takes back the others with the process.
+//! The kernel takes back what belongs to the process. Files of the machine get their content back, also when a signal
+//! ends the trials; after `kill -9` they keep the change. A change that cannot be tried is listed with the reason.
 
-use super::wake_ups::{Loop, lateness};
+use super::machine::read;
+use super::processor::list;
+use super::wake_ups::{Loop, LoopFigures, figures, lateness};
 use report::results::{Column, Table, count, micros, word};
 use runtime::scheduling::{self, Policy, Request, usable_cores};
 use runtime::statistics::Latencies;
 use serde::Serialize;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::Write;
+use std::path::PathBuf;
+use supervise::{Error, is_signalled};
 
 /// Blocks with a change, and as many without it.
 const BLOCKS: u32 = 3;
 /// Longest time of one trial, s.
 const LONGEST_S: f64 = 10.0;
+/// Time for real-time threads of a group in each second, µs: half of it, since the groups above need a part.
+const BUDGET_US: &str = "500000";
 
 /// A change of this process, or of the machine while it measures.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Change {
-    Nothing,
     IdleStatesOff,
+    Governor,
+    Interrupts,
+    Budget,
     Deadline,
-    Core(usize),
+    OtherCore,
+    Isolation,
+    Kernel,
 }
 
-/// A change that was tried. The one that brings most is first.
+/// All changes, each with the way to make it last.
+const CHANGES: [(Change, &str, &str); 8] = [
+    (Change::IdleStatesOff, "idle states off", "hold /dev/cpu_dma_latency open at 0"),
+    (Change::Governor, "frequency governor performance", "cpupower frequency-set -g performance"),
+    (Change::Interrupts, "interrupts on other cores", "write /proc/irq/*/smp_affinity_list"),
+    (Change::Budget, "real-time time of the control group", "write cpu.rt_runtime_us"),
+    (Change::Deadline, "SCHED_DEADLINE", "in place of SCHED_FIFO, without a core of its own"),
+    (Change::OtherCore, "another core", "pin the loop there: taskset, or `core`"),
+    (Change::Isolation, "isolated core", "boot with isolcpus: see the finding"),
+    (Change::Kernel, "PREEMPT_RT", "install a real-time kernel: see the finding"),
+];
+
+/// A change. The one that brings most is first, and those that could not be tried are last.
 #[derive(Debug, Serialize)]
 pub struct Trial {
-    pub change: String,
+    pub change: &'static str,
+    /// Reason why it could not be tried; null if it was.
+    pub not_tried: Option<String>,
     /// The way to make it last.
-    pub how: String,
-    /// Wake-ups of each side, and those that were late without and with it.
-    pub wakes: u64,
-    pub late_without: u64,
-    pub late_with: u64,
-    /// Largest lateness, µs.
-    pub worst_without_us: f64,
-    pub worst_with_us: f64,
+    pub how: &'static str,
+    /// The loop without and with it; without a wake-up if it was not tried.
+    pub without: LoopFigures,
+    pub with: LoopFigures,
+}
+
+/// What holds a change: an open file, or files that get their content back.
+#[derive(Debug, Default)]
+struct Held {
+    _open: Option<File>,
+    before: Vec<(PathBuf, String)>,
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        for (path, before) in &self.before {
+            // It was written a moment ago.
+            let _ = fs::write(path, before.trim());
+        }
+    }
+}
+
+impl Held {
+    /// Writes `value` into those of these files that have another content which `is_meant`; `none` says that there is
+    /// no such file.
+    fn write(
+        paths: impl IntoIterator<Item = PathBuf>,
+        value: &str,
+        is_meant: impl Fn(&str) -> bool,
+        none: &str,
+    ) -> Result<Self, String> {
+        let (mut held, mut why) = (Self::default(), none.to_owned());
+        for path in paths {
+            let Some(before) = read(&path).filter(|before| is_meant(before.trim())) else {
+                continue;
+            };
+            match fs::write(&path, value) {
+                Ok(()) => held.before.push((path, before)),
+                Err(error) => why = format!("{}: {error}", path.display()),
+            }
+        }
+        if held.before.is_empty() { Err(why) } else { Ok(held) }
+    }
 }
 
 impl Change {
-    /// Makes the change; what it holds open while it acts. `None` if it cannot be made.
-    fn make(self, each: Loop) -> Option<Option<File>> {
+    /// Makes the change for a loop on `core`.
+    fn make(self, each: Loop, core: usize) -> Result<Held, String> {
+        let others = usable_cores().into_iter().filter(|other| *other != core);
+        let others: Vec<String> = others.map(|other| other.to_string()).collect();
         match self {
-            Self::Nothing | Self::Core(_) => Some(None),
+            Self::Interrupts | Self::OtherCore if others.is_empty() => {
+                Err("there is no other core".to_owned())
+            }
+            Self::OtherCore => Ok(Held::default()),
             Self::IdleStatesOff => {
-                let mut file = File::options().write(true).open("/dev/cpu_dma_latency").ok()?;
-                file.write_all(&[0; 4]).ok()?;
-                Some(Some(file))
+                let file = File::options().write(true).open("/dev/cpu_dma_latency");
+                let held = file.and_then(|mut file| file.write_all(&[0; 4]).map(|()| file));
+                let held = held.map(|file| Held { _open: Some(file), before: Vec::new() });
+                held.map_err(|error| error.to_string())
+            }
+            Self::Governor => {
+                let path = format!("/sys/devices/system/cpu/cpu{core}/cpufreq/scaling_governor");
+                let none = "no frequency governor here, or it is that already";
+                Held::write([path.into()], "performance", |now| now != "performance", none)
+            }
+            Self::Interrupts => {
+                let numbers = fs::read_dir("/proc/irq").into_iter().flatten().flatten();
+                let paths = numbers.map(|number| number.path().join("smp_affinity_list"));
+                let comes_here = |now: &str| list(now).contains(&core);
+                Held::write(
+                    paths,
+                    &others.join(","),
+                    comes_here,
+                    "no interrupt may come to the core",
+                )
+            }
+            Self::Budget => {
+                let groups = super::machine::limits().rt_runtime_us.into_iter();
+                let paths = groups.map(|limit| PathBuf::from(limit.path));
+                Held::write(paths, BUDGET_US, |now| now == "0", "no control group is without it")
             }
             Self::Deadline => {
                 let period_ns = u64::from(each.period_us) * 1_000;
-                scheduling::set_deadline(period_ns / 10, period_ns).ok().map(|()| None)
+                let set = scheduling::set_deadline(period_ns / 10, period_ns);
+                set.map(|()| Held::default()).map_err(|error| error.to_string())
             }
-        }
-    }
-
-    fn words(self) -> (String, &'static str) {
-        match self {
-            Self::Nothing => Default::default(),
-            Self::IdleStatesOff => {
-                ("idle states off".into(), "hold /dev/cpu_dma_latency open at 0")
-            }
-            Self::Deadline => {
-                ("SCHED_DEADLINE".into(), "in place of SCHED_FIFO, without a core of its own")
-            }
-            Self::Core(core) => (format!("core {core}"), "pin the loop there: taskset, or `core`"),
+            Self::Isolation => Err("the kernel isolates cores when it boots".to_owned()),
+            Self::Kernel => Err("it is another kernel".to_owned()),
         }
     }
 }
 
-/// Lateness of one block of the loop under a change; `None` if it cannot be made.
-fn block(change: Change, each: Loop, seconds: f64) -> Option<Latencies> {
-    let last = usable_cores().last().copied().unwrap_or(0);
-    let core = if let Change::Core(core) = change { core } else { last };
-    let measuring = std::thread::spawn(move || {
-        let is_deadline = matches!(change, Change::Deadline);
-        let policy = if is_deadline { Policy::Other } else { Policy::Fifo(80) };
-        let core_of = (!is_deadline).then_some(core);
-        let _ = scheduling::apply(&Request { policy, core: core_of, lock_memory: true });
-        let held = change.make(each)?;
-        let latencies = lateness(each.period_us, seconds);
+/// Adds the lateness of one block of the loop of `s` seconds, as it is or under a change.
+fn block(change: Option<Change>, each: Loop, s: f64, into: &mut Latencies) -> Result<(), String> {
+    let cores = usable_cores();
+    let place = usize::from(change == Some(Change::OtherCore));
+    let core = cores.iter().rev().nth(place).or(cores.last()).copied().unwrap_or(0);
+    let measure = || {
+        // A group without real-time time gets it before the loop asks for its priority.
+        let held = change.map(|change| change.make(each, core)).transpose()?;
+        if change != Some(Change::Deadline) {
+            let policy = Policy::Fifo(80);
+            let _ = scheduling::apply(&Request { policy, core: Some(core), lock_memory: true });
+        }
+        *into = lateness(each.period_us, s, std::mem::take(into));
         drop(held);
-        Some(latencies)
-    });
-    measuring.join().expect("measuring does not panic")
+        Ok(())
+    };
+    std::thread::scope(|scope| scope.spawn(measure).join().expect("measuring does not panic"))
 }
 
 /// Tries all changes on the user's loop, each for `seconds` at most.
-pub fn measure(each: Loop, seconds: f64) -> Vec<Trial> {
+///
+/// # Errors
+/// [`Error::Interrupted`] after a signal; nothing is changed any more then.
+pub fn measure(each: Loop, seconds: f64) -> Result<Vec<Trial>, Error> {
     let block_s = seconds.min(LONGEST_S) / f64::from(2 * BLOCKS);
-    let cores = usable_cores();
-    let others = cores.iter().rev().skip(1).take(1).map(|core| Change::Core(*core));
-    let changes = [Change::IdleStatesOff, Change::Deadline];
-    let trial = |change: Change| {
-        let (mut without, mut with) = (Vec::new(), Vec::new());
-        for _ in 0..BLOCKS {
-            without.push(block(Change::Nothing, each, block_s)?);
-            with.push(block(change, each, block_s)?);
+    let mut trials = Vec::new();
+    for (change, name, how) in CHANGES {
+        let (mut without, mut with) = (Latencies::default(), Latencies::default());
+        let blocks = (0..BLOCKS).try_for_each(|_| {
+            // A change that cannot be made costs no time.
+            block(Some(change), each, block_s, &mut with)?;
+            block(None, each, block_s, &mut without)
+        });
+        if is_signalled() {
+            return Err(Error::Interrupted);
         }
-        let budget_ns = u64::from(each.budget_us) * 1_000;
-        let late = |all: &[Latencies]| all.iter().map(|one| one.count_above_ns(budget_ns)).sum();
-        let worst_us = |all: &[Latencies]| {
-            let worst = all.iter().filter_map(Latencies::percentiles_us).map(|us| us.max);
-            worst.fold(0.0, f64::max)
-        };
-        let (words, how) = change.words();
-        Some(Trial {
-            change: words,
-            how: how.to_owned(),
-            wakes: with.iter().map(Latencies::count).sum(),
-            late_without: late(&without),
-            late_with: late(&with),
-            worst_without_us: worst_us(&without),
-            worst_with_us: worst_us(&with),
-        })
-    };
-    let mut trials: Vec<Trial> = changes.into_iter().chain(others).filter_map(trial).collect();
-    let brings = |trial: &Trial| {
-        let late = trial.late_without as f64 - trial.late_with as f64;
-        (late, trial.worst_without_us - trial.worst_with_us)
+        let (without, with) = (figures(each, &without), figures(each, &with));
+        trials.push(Trial { change: name, not_tried: blocks.err(), how, without, with });
+    }
+    let brings = |Trial { not_tried, without, with, .. }: &Trial| {
+        let fewer_late = without.late as f64 - with.late as f64;
+        (not_tried.is_none(), fewer_late, without.worst_us - with.worst_us)
     };
     trials.sort_by(|a, b| brings(b).partial_cmp(&brings(a)).expect("numbers"));
-    trials
+    Ok(trials)
 }
 
 pub fn table(trials: &[Trial]) -> Table {
-    let columns: [Column<Trial>; 6] = [
+    let columns: [Column<Trial>; 7] = [
         word("change", "tried", "Change, taken back in the end"),
-        count("late_without", "late without", "Late wake-ups without it"),
-        count("late_with", "with", "Late wake-ups with it"),
-        micros("worst_without_us", "worst without", "Largest lateness without it"),
-        micros("worst_with_us", "with", "Largest lateness with it"),
+        word("not_tried", "not tried", "Reason why it could not be tried"),
+        count("without.late", "late without", "Late wake-ups without it"),
+        count("with.late", "with", "Late wake-ups with it"),
+        micros("without.worst_us", "worst without", "Largest lateness without it"),
+        micros("with.worst_us", "with", "Largest lateness with it"),
         word("how", "how", "The way to make it last").weight(1),
     ];
     Table::new("What a change brings, measured in turns", &columns, trials).without_cases()
@@ -143,11 +212,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_change_that_can_be_made_is_measured_as_often_as_its_absence() {
-        let trials = measure(Loop { period_us: 1_000, budget_us: 100 }, 0.06);
-        assert!(trials.iter().all(|trial| trial.wakes == 30), "{trials:?}");
-        assert!(trials.iter().all(|trial| trial.late_with <= trial.wakes), "{trials:?}");
-        let late = |trial: &Trial| trial.late_without as i64 - trial.late_with as i64;
-        assert!(trials.is_sorted_by(|a, b| late(a) >= late(b)), "{trials:?}");
+    fn each_change_is_measured_as_often_as_its_absence_or_has_a_reason() {
+        let each = Loop { period_us: 1_000, budget_us: 100 };
+        let trials = measure(each, 0.06).expect("no signal");
+        assert_eq!(trials.len(), CHANGES.len());
+        for Trial { not_tried, without, with, .. } in &trials {
+            let wakes = if not_tried.is_none() { 30 } else { 0 };
+            assert_eq!((without.wakes, with.wakes), (wakes, wakes), "{trials:?}");
+            assert!(without.late <= wakes && with.late <= wakes, "{trials:?}");
+        }
+        assert!(trials.is_sorted_by_key(|trial| trial.not_tried.is_some()), "{trials:?}");
+        let tried = || trials.iter().filter(|trial| trial.not_tried.is_none());
+        let late = |trial: &Trial| trial.without.late as i64 - trial.with.late as i64;
+        assert!(tried().map(late).is_sorted_by(|a, b| a >= b), "{trials:?}");
+    }
+
+    #[test]
+    fn a_file_that_was_changed_gets_its_content_back() {
+        let path = std::env::temp_dir().join(format!("timegap-doctor-{}", std::process::id()));
+        fs::write(&path, "powersave\n").expect("writable");
+        let write = || Held::write([path.clone()], "fast", |now| now != "fast", "there is none");
+        let held = write().expect("ours");
+        assert_eq!(fs::read_to_string(&path).expect("ours"), "fast");
+        assert_eq!(write().expect_err("it is so already"), "there is none");
+        drop(held);
+        assert_eq!(fs::read_to_string(&path).expect("ours"), "powersave");
+        fs::remove_file(&path).expect("ours");
     }
 }

@@ -149,7 +149,8 @@ pub fn measure(loops: &[Loop], seconds: f64) -> (WakeUps, Latencies) {
     let (granted, mut measured) = std::thread::scope(|scope| {
         let measuring = scope.spawn(|| {
             let granted = scheduling::apply(&request);
-            let latencies = loops.iter().map(|each| lateness(each.period_us, seconds));
+            let none = Latencies::default;
+            let latencies = loops.iter().map(|each| lateness(each.period_us, seconds, none()));
             (granted, latencies.collect::<Vec<_>>())
         });
         measuring.join().expect("measuring does not panic")
@@ -161,11 +162,10 @@ pub fn measure(loops: &[Loop], seconds: f64) -> (WakeUps, Latencies) {
     (WakeUps { seconds, granted, loops, histogram: histogram(&last) }, last)
 }
 
-/// Lateness of the wake-ups of a loop. A late loop owes every instant that it missed.
-pub fn lateness(period_us: u32, seconds: f64) -> Latencies {
+/// Adds the lateness of a loop's wake-ups to these. A late loop owes every instant that it missed.
+pub fn lateness(period_us: u32, seconds: f64, mut latencies: Latencies) -> Latencies {
     let period_ns = i64::from(period_us) * 1_000;
     let count = (seconds * 1e9 / period_ns as f64).ceil() as u64;
-    let mut latencies = Latencies::default();
     let mut due_ns = monotonic_ns() + period_ns;
     for _ in 0..count {
         while monotonic_ns() < due_ns {
@@ -177,7 +177,7 @@ pub fn lateness(period_us: u32, seconds: f64) -> Latencies {
     latencies
 }
 
-fn figures(Loop { period_us, budget_us }: Loop, latencies: &Latencies) -> LoopFigures {
+pub fn figures(Loop { period_us, budget_us }: Loop, latencies: &Latencies) -> LoopFigures {
     LoopFigures {
         period_us,
         budget_us,
@@ -228,8 +228,8 @@ impl WakeUps {
         Table::new(&heading, &columns, &rows)
     }
 
-    /// The wake-ups as a finding. `fix` is the first change that helps a loop on this machine.
-    pub fn finding(&self, fix: Option<String>) -> Finding {
+    /// The wake-ups as a finding. The findings after it have the commands that help a loop.
+    pub fn finding(&self) -> Finding {
         const CHECK: &str = "wake-ups";
         let worst = self.loops.iter().map(|figures| figures.worst_us).fold(0.0, f64::max);
         let seconds = self.seconds * self.loops.len() as f64;
@@ -239,8 +239,8 @@ impl WakeUps {
         let costs = format!("a loop of {} misses deadlines", names.join(" or "));
         match late.len() {
             0 => Finding::ok(CHECK, found),
-            few if few < self.loops.len() => Finding::warn(CHECK, found, costs, fix),
-            _ => Finding::bad(CHECK, found, costs, fix),
+            few if few < self.loops.len() => Finding::warn(CHECK, found, costs, None),
+            _ => Finding::bad(CHECK, found, costs, None),
         }
     }
 }
@@ -267,14 +267,9 @@ mod tests {
         assert!(
             mixed.answer().contains("a 1 ms loop with a budget of 100 µs does not hold (1 of 4")
         );
-        let finding = mixed.finding(Some("isolate a core".into()));
-        assert_eq!(
-            (finding.verdict, finding.fix.as_deref()),
-            (Verdict::Warn, Some("isolate a core"))
-        );
-        assert_eq!(wake_ups(&[5_000_000]).finding(None).verdict, Verdict::Bad);
-        let quiet = wake_ups(&[4_000]).finding(Some("nothing".into()));
-        assert_eq!((quiet.verdict, quiet.fix), (Verdict::Ok, None));
+        assert_eq!(mixed.finding().verdict, Verdict::Warn);
+        assert_eq!(wake_ups(&[5_000_000]).finding().verdict, Verdict::Bad);
+        assert_eq!(wake_ups(&[4_000]).finding().verdict, Verdict::Ok);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::events::Event;
 use scenario::faults::{self, Fault};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
@@ -65,8 +65,7 @@ pub fn close(root: &Path) {
 
 /// Sends `fault` to the run with this root.
 pub fn inject(root: &Path, fault: &Fault) -> std::io::Result<Answer> {
-    let socket: PathBuf = root.join(SOCKET);
-    let mut stream = UnixStream::connect(socket)?;
+    let mut stream = UnixStream::connect(root.join(SOCKET))?;
     let text = serde_json::to_string(fault).expect("plain data");
     writeln!(stream, "{text}")?;
     let mut line = String::new();

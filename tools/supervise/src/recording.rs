@@ -96,7 +96,7 @@ impl Listener {
     /// True, once, when it died: its buffers must be removed, or senders wait for it.
     pub fn has_died(&mut self) -> bool {
         let Some(attendant) = &mut self.attendant else { return false };
-        if !attendant.is_gone() {
+        if attendant.process.poll().is_none() {
             return false;
         }
         let reason = match attendant.receive(Duration::ZERO) {

@@ -139,7 +139,7 @@ impl Cast {
             {
                 break;
             }
-            if self.replayer.is_gone() {
+            if self.replayer.process.poll().is_some() {
                 return Err(replayer(match self.replayer.receive(Duration::ZERO) {
                     Some(FromReplayer::Failed(why)) => why,
                     _ => "it ended before its time".to_owned(),

@@ -191,13 +191,9 @@ impl Faults {
         while_starting: bool,
     ) {
         let planned = &mut self.planned[index];
-        match planned.process_fault {
-            ProcessFault::Stop { .. } | ProcessFault::Hog { .. } | ProcessFault::Memory { .. } => {
-                planned.running = Some((planned.fault.effect.end_ns(now_ns), disturbance));
-            }
-            ProcessFault::Kill { .. }
-            | ProcessFault::RestartStorm { .. }
-            | ProcessFault::KillHelper { .. } => {}
+        use ProcessFault::{Hog, Memory, Stop};
+        if matches!(planned.process_fault, Stop { .. } | Hog { .. } | Memory { .. }) {
+            planned.running = Some((planned.fault.effect.end_ns(now_ns), disturbance));
         }
         self.log.begin(&planned.fault, planned.number, now_ns as f64 / 1e9, while_starting);
     }

@@ -71,9 +71,9 @@ impl Attached {
         }
     }
 
-    /// The end of a process that closed its output before the run's end. It is killed if it lives on after `grace`.
-    pub fn exit_in_run(&mut self, grace: Duration) -> Exit {
-        let exit = match self.exit(grace, Exit::OutputClosed) {
+    /// The end of a process that closed its output before the run's end. It is killed if it lives on after [`LAST_MOMENT`].
+    pub fn exit_in_run(&mut self) -> Exit {
+        let exit = match self.exit(LAST_MOMENT, Exit::OutputClosed) {
             Exit::Ok => Exit::Early,
             other => other,
         };
@@ -81,15 +81,12 @@ impl Attached {
         exit
     }
 
-    pub fn look_at_progress(&mut self, now_ns: i64) {
-        if let Some(progress) = &self.progress {
-            self.silence.broken(progress.cycles(), now_ns);
-        }
-    }
-
     /// True if it hangs: no sign of life for more than `limit_ns`, although the machine gave it the processor. If it
     /// did not, the time is added to `starved_ms`.
     pub fn is_hung(&mut self, now_ns: i64, limit_ns: i64, starved_ms: &mut f64) -> bool {
+        if let Some(progress) = &self.progress {
+            self.silence.broken(progress.cycles(), now_ns);
+        }
         let pid = self.process.pid();
         match self.silence.meaning(now_ns, limit_ns, || Share::of(pid)) {
             Meaning::Lives => false,

@@ -6,7 +6,7 @@ pub mod silence;
 
 use crate::Error;
 use crate::events::{Event as GroupEvent, Who};
-use crate::member::attached::{Attached, LAST_MOMENT};
+use crate::member::attached::Attached;
 use crate::member::silence::Share;
 use crate::role::Role;
 use crate::root::RunRoot;
@@ -136,7 +136,7 @@ impl<R: Role> Member<R> {
         }
         let process = self.attached(incarnation)?;
         process.is_settled = true;
-        Some((process.exit_in_run(LAST_MOMENT), process.has_told))
+        Some((process.exit_in_run(), process.has_told))
     }
 
     pub fn on(&mut self, event: Event, now_ns: i64) -> Vec<Step> {
@@ -240,7 +240,6 @@ impl<R: Role> Member<R> {
         let starved_ms = &mut self.heartbeats.starved_ms;
         let mut hung = Vec::new();
         for one in self.processes.iter_mut().filter(|one| watched.contains(&one.incarnation)) {
-            one.look_at_progress(now_ns);
             if one.cause.is_none() && one.is_hung(now_ns, limit_ns, starved_ms) {
                 hung.push(one.incarnation);
             }

@@ -11,7 +11,7 @@ use std::ffi::OsStr;
 use std::io::{BufRead, BufReader};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{ExitCode, Stdio};
+use std::process::{Command, ExitCode, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
@@ -43,23 +43,26 @@ impl Attendant {
             .stdout(Stdio::piped())
             .process_group(group);
         inherit_only(&mut command, Some(root.lock()));
+        let started = Self::start(command, name, group)?;
+        if name != BRIDGE {
+            enroll_listener(root.prefix(), started.process.pid().unsigned_abs())?;
+        }
+        Ok(started)
+    }
+
+    /// Starts `command`, whose standard output is piped, in process group `group`. Errors have the name.
+    pub fn start(mut command: Command, name: &str, group: i32) -> Result<Self, MachineError> {
         let error = MachineError::cannot(format!("start the {name}"));
         let mut child = command.spawn().map_err(&error)?;
-        if name != BRIDGE {
-            enroll_listener(root.prefix(), child.id())?;
-        }
         let out = child.stdout.take().expect("piped");
         let (sender, lines) = channel();
-        std::thread::Builder::new()
-            .name(format!("{name}-out"))
-            .spawn(move || {
-                for line in BufReader::new(out).lines().map_while(Result::ok) {
-                    if sender.send(line).is_err() {
-                        return;
-                    }
-                }
-            })
-            .map_err(error)?;
+        let hand_on = move || {
+            // Lines that nobody waits for are dropped.
+            let lines = BufReader::new(out).lines().map_while(Result::ok);
+            lines.for_each(|line| drop(sender.send(line)));
+        };
+        let named = std::thread::Builder::new().name(format!("{name}-out"));
+        named.spawn(hand_on).map_err(error)?;
         Ok(Self { process: Process::of(child, group), lines })
     }
 
@@ -74,11 +77,6 @@ impl Attendant {
                 return Some(message);
             }
         }
-    }
-
-    /// True once the process is gone.
-    pub fn is_gone(&mut self) -> bool {
-        self.process.poll().is_some()
     }
 }
 

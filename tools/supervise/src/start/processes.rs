@@ -179,7 +179,7 @@ fn pid(child: &Child) -> i32 {
 const DISMISSAL: Duration = Duration::from_secs(1);
 
 #[derive(Debug)]
-pub struct Janitor(Process);
+pub struct Janitor(pub(crate) Process);
 
 impl Janitor {
     /// Starts the janitor of the run at `root`, outside the services' process group.
@@ -201,14 +201,6 @@ impl Janitor {
     /// Sends it the process group of the services.
     pub fn watch(&mut self, group: i32) {
         self.0.order(&group);
-    }
-
-    pub fn kill(&mut self) {
-        self.0.kill();
-    }
-
-    pub fn is_gone(&mut self) -> bool {
-        self.0.poll().is_some()
     }
 
     /// Ends it: the launcher has cleaned up.

@@ -43,7 +43,7 @@ impl Supervisor<'_> {
                         recording.kill();
                     }
                 }
-                Act::KillHelper(Helper::Janitor) => self.roster.janitor.kill(),
+                Act::KillHelper(Helper::Janitor) => self.roster.janitor.0.kill(),
                 // It is this process.
                 Act::KillHelper(Helper::Launcher) => {
                     let _ = rustix::process::kill_process(rustix::process::getpid(), Signal::KILL);

@@ -6,7 +6,6 @@ use super::watch::Course;
 use crate::Error;
 use crate::events::Who;
 use crate::faults::log::FaultLog;
-use crate::member::attached::LAST_MOMENT;
 use crate::role::Role;
 use crate::succession::{self, Phase, Standby, Step};
 use drive::log::DriveLog;
@@ -91,7 +90,7 @@ impl Supervisor<'_> {
             if !matches!(step, Step::GiveUp | Step::EndRun) {
                 continue;
             }
-            let how = self.roster.of(service).active().exit_in_run(LAST_MOMENT);
+            let how = self.roster.of(service).active().exit_in_run();
             match step {
                 Step::EndRun => self.break_off(service, how.to_string(), course),
                 _ if service == Service::Plant => {

@@ -104,7 +104,7 @@ impl<'a, R: Role> Roster<'a, R> {
     /// Starts another janitor if the present one is gone: without one, a launcher that is killed leaves its run
     /// behind.
     pub fn replace_janitor(&mut self) {
-        if !self.janitor.is_gone() {
+        if self.janitor.0.poll().is_none() {
             return;
         }
         match Janitor::spawn(self.root) {
