@@ -1,8 +1,8 @@
 //! Pass or stop.
 //!
 //! Both programs are solved. A pass is possible when its own plan crosses before the earliest announced end of green, or
-//! in the part of the yellow in which a driver could not stop. The plan has the law's acceleration, the actuator's lag and
-//! the speeds that are safe behind the lead. The safety filter must let it through as well: from the place where a stop
+//! in the part of the yellow in which a driver could not stop. The plan has the law's acceleration and the actuator's
+//! lag. The safety filter must let it through as well: from the place where a stop
 //! is no longer possible, the speed there is enough. No margin is added: an uncertain end is announced as an early one.
 //! A green with a later likely end, or an unknown one, is driven to as a driver does. The vehicle goes on while it can
 //! stop for the yellow or clear the line in it.

@@ -12,7 +12,7 @@
 //!
 //! minimise  1/2 sum( q_e (e - e_ref)² + q_v (ed - ed_ref)² + q_a (a - a_ref)²
 //!                  + q_j ((u - a)/tau)² + r (u - u_ref)² ) + exact penalties
-//! pass:  position >= line at the last stage of green, comfortable requests only, within speeds safe behind the lead
+//! pass:  position >= line at the last stage of green, comfortable requests only
 //! stop:  position <= line - margin while it is closed
 //! both:  position <= lead - gap_min,  0 <= v <= v_max
 //! ```

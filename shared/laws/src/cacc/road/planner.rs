@@ -4,7 +4,7 @@ use mpc_solver::{ProblemError, Solver, Start};
 
 use super::decision::Choice;
 use super::filter::{Filter, Gate as Held, Pass, safe_gap};
-use super::lead::{Fastest, Prediction};
+use super::lead::Prediction;
 use super::program::{Deadline, Programs};
 use super::reference::{Gate, Reference, Scene};
 use super::signals::SignalMemory;
@@ -47,7 +47,6 @@ pub(super) struct Planner {
 /// Buffers of one cycle.
 struct Work {
     lead: Prediction,
-    fastest: Fastest,
     pass: Candidate,
     stop: Candidate,
 }
@@ -92,7 +91,6 @@ impl Planner {
             gaining_decay: libm::exp(-config.step_s / road.lead_decay_s.max(GAINING_DECAY_S)),
             work: Box::new(Work {
                 lead: Prediction::ABSENT,
-                fastest: Fastest::FREE,
                 pass: Candidate::EMPTY,
                 stop: Candidate::EMPTY,
             }),
@@ -119,7 +117,7 @@ impl Planner {
         gate: Gate,
         deadline: Option<Deadline>,
     ) {
-        let Work { lead, fastest, pass, stop } = &mut *self.work;
+        let Work { lead, pass, stop } = &mut *self.work;
         let scene = Scene {
             config: &self.config,
             driver: self.driver,
@@ -137,13 +135,7 @@ impl Planner {
         let emergency =
             candidate.reference.hardest_mps2 > self.config.road.comfort_deceleration_mps2;
         let problem = if choice == Choice::Pass && !emergency {
-            if deadline.is_some() {
-                let limits = (seen.desired_mps, self.driver.acceleration_mps2);
-                let start = (seen.begin, self.config.horizon);
-                let lag = (&self.lag, self.config.model_time_constant_s);
-                fastest.roll_out(start, limits, lag, &self.safe, lead);
-            }
-            self.programs.fill_go(&candidate.reference, lead, deadline, fastest);
+            self.programs.fill_go(&candidate.reference, lead, deadline);
             &self.programs.go
         } else {
             self.programs.fill_hold(&candidate.reference, lead);

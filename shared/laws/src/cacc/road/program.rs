@@ -17,7 +17,7 @@
 
 use mpc_solver::{Problem, ProblemError, Row, Softness};
 
-use super::lead::{Fastest, Prediction};
+use super::lead::Prediction;
 use super::reference::Reference;
 use crate::cacc::config::Config;
 use crate::cacc::road_config::RoadConfig;
@@ -94,7 +94,6 @@ impl Programs {
         reference: &Reference,
         lead: &Prediction,
         deadline: Option<Deadline>,
-        fastest: &Fastest,
     ) {
         let (t_h, s0) = (self.config.time_headway_s, self.config.standstill_distance_m);
         fill(&mut self.go, &self.config, reference, lead);
@@ -108,11 +107,6 @@ impl Programs {
                 }
                 let offset = lead.stages[stage].gap_m - t_h * lead.stages[stage].speed_mps - s0;
                 self.go.set_row_stages(PASS, stage, stage);
-                // Faster than this the safety filter would brake.
-                for (k, limit) in self.go.row_limits_mut(FAST)[..=stage].iter_mut().enumerate() {
-                    let most_mps = fastest.speed_mps[k] + SPEED_MARGIN_MPS;
-                    *limit = limit.min(most_mps - lead.stages[k].speed_mps);
-                }
                 self.go.row_limits_mut(PASS)[stage] = offset - (line_m + PASS_M);
             }
             None => self.go.set_row_stages(PASS, 1, 0),
