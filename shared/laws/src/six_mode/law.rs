@@ -73,11 +73,6 @@ impl SixMode {
         self.parameters.variant == Variant::Robust
     }
 
-    /// True if it brakes as hard as needed, not fully, in the avoid mode.
-    fn has_graded_braking(&self) -> bool {
-        self.robust() && self.parameters.spacing == Spacing::TimeGap
-    }
-
     /// The target, if it is within range, as the law sees it.
     fn observe(&mut self, input: &Input) -> Option<Situation> {
         let robust = self.robust();
@@ -117,7 +112,7 @@ impl SixMode {
             Variant::Literal => demand.max(self.request_bounds_mps2().0),
             Variant::Robust => demand.min(cruise),
         };
-        if self.has_graded_braking() && mode != Mode::Avoid {
+        if self.parameters.regulates() && mode != Mode::Avoid {
             let fully = -p.braking_mps2;
             if self.behind(input, &s).is_needed(demand) {
                 self.enter(Mode::Avoid, Reason::TargetBraking);
@@ -155,7 +150,7 @@ impl SixMode {
 
     /// The demand as hard as needed, in the avoid mode and below; the paper's spacing brakes fully.
     fn grade(&self, demand: f64, cruise: f64, input: &Input, s: &Situation) -> f64 {
-        if !self.has_graded_braking() {
+        if !self.parameters.regulates() {
             return demand;
         }
         let behind = self.behind(input, s);
@@ -189,7 +184,7 @@ impl SixMode {
 
     /// The demand with a soft end of a stop; the paper's spacing ends hard.
     fn soften(&self, demand: f64, ego: &Ego, seen: Option<Situation>) -> f64 {
-        if !self.has_graded_braking() {
+        if !self.parameters.regulates() {
             return demand;
         }
         let room = seen.map_or(Room::FREE, |s| self.room(&s));

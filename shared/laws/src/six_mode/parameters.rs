@@ -161,6 +161,11 @@ impl Parameters {
         Self { variant: Variant::Literal, ..Self::default() }
     }
 
+    /// True if the gap is regulated, not only bounded, and braked for as hard as needed, not fully.
+    pub(super) fn regulates(&self) -> bool {
+        self.variant == Variant::Robust && self.spacing == Spacing::TimeGap
+    }
+
     /// Largest request, m/s²: the literal law has the paper's.
     pub(super) fn largest_mps2(&self) -> f64 {
         match self.variant {

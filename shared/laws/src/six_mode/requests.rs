@@ -3,7 +3,7 @@
 use super::boundaries::Boundaries;
 use super::deceleration::level_mps2;
 use super::modes::{Mode, Situation};
-use super::parameters::{Parameters, Spacing, Variant};
+use super::parameters::{Parameters, Variant};
 
 /// Set-speed error up to which the cruise law is proportional, m/s (1 km/h).
 const CRUISE_BAND: f64 = 1.0 / 3.6;
@@ -33,21 +33,16 @@ const REGULATE_LEAST_MPS2: f64 = -1.0;
 /// Request of a mode that has a target, before mean and limits.
 pub(super) fn following(p: &Parameters, mode: Mode, s: &Situation, b: &Boundaries) -> f64 {
     match mode {
-        Mode::Approach if regulates(p) => approach(p, s, b).min(closing_mps2(p, s)),
+        Mode::Approach if p.regulates() => approach(p, s, b).min(closing_mps2(p, s)),
         Mode::Approach => approach(p, s, b),
         Mode::Steady => steady(p, s, b),
-        Mode::Decelerate if regulates(p) => {
+        Mode::Decelerate if p.regulates() => {
             level_mps2(p, s, b).min(steady(p, s, b)).min(closing_mps2(p, s))
         }
         Mode::Decelerate => level_mps2(p, s, b),
         Mode::Avoid => -p.braking_mps2,
         Mode::Accelerate | Mode::Cruise => p.largest_mps2(),
     }
-}
-
-/// True if the gap is regulated, not only bounded.
-fn regulates(p: &Parameters) -> bool {
-    p.variant == Variant::Robust && p.spacing == Spacing::TimeGap
 }
 
 /// Time headway left behind a slower target when speeds match, s, and time until a request acts, s.
@@ -83,7 +78,7 @@ fn approach(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
 /// alternate for ever (trap 6).
 fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     let relative = s.relative_mps;
-    if regulates(p) {
+    if p.regulates() {
         let wanted = REGULATE_PER_S * (relative + b.closing_mps(p, s.gap_m));
         return wanted.clamp(REGULATE_LEAST_MPS2, p.acceleration_mps2);
     }
@@ -104,6 +99,7 @@ fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::six_mode::Spacing;
 
     #[test]
     fn cruise_is_the_papers_equation_7() {

@@ -63,7 +63,7 @@ impl Planner for PaperN2 {
         if self.set_speed_mps != request.set_speed_mps {
             self.set_speed_mps = request.set_speed_mps;
             self.prices = Prices::new(&self.truck, request.set_speed_mps);
-            self.limits = LimitGrades::new(&self.truck, &self.keys.road, request.set_speed_mps);
+            self.limits = LimitGrades::new(&self.truck, request.set_speed_mps);
         }
         self.road.rebuild(&request.preview, request.position_m, &self.limits);
         let wanted = MOST_SEGMENTS.min(self.keys.plan.segments as usize);

@@ -46,15 +46,15 @@ pub struct LimitGrades {
 }
 
 impl LimitGrades {
-    /// Limits of a truck at its set speed in the highest gear, where the keys set none.
-    pub fn new(truck: &Truck, keys: &RoadKeys, set_speed_mps: f64) -> Self {
+    /// Limits of a truck at its set speed in the highest gear.
+    pub fn new(truck: &Truck, set_speed_mps: f64) -> Self {
         let top = GEARS - 1;
         let (drag_nm, max_nm) = truck.net_torque_limits_nm(set_speed_mps, top);
         let weight_n = truck.parameters().mass_kg * GRAVITY_MPS2;
         let flat_n = truck.resistance_n(set_speed_mps, 0.0);
         Self {
-            up: keys.uphill_grade.unwrap_or((truck.force_n(max_nm, top) - flat_n) / weight_n),
-            down: keys.downhill_grade.unwrap_or((truck.force_n(drag_nm, top) - flat_n) / weight_n),
+            up: (truck.force_n(max_nm, top) - flat_n) / weight_n,
+            down: (truck.force_n(drag_nm, top) - flat_n) / weight_n,
         }
     }
 

@@ -54,12 +54,10 @@ impl PlannerKind {
     /// Keys of the law's table that this planner does not use.
     pub(super) fn unused(self) -> &'static [&'static str] {
         // Those of every planner first, then those of `paper-n2` alone.
-        const OF_PLANS: [&str; 7] = [
+        const OF_PLANS: [&str; 5] = [
             "road.horizon_m",
             "plan.terminal_square",
             "plan.time_price",
-            "road.uphill_grade",
-            "road.downhill_grade",
             "plan.segments",
             "plan.torque_levels",
         ];
@@ -169,8 +167,6 @@ impl TruckKeys {
             driveline_efficiency: self.driveline_efficiency.unwrap_or(p.driveline_efficiency),
             wheel_radius_m: self.wheel_radius_m.unwrap_or(p.wheel_radius_m),
             wheel_inertia_kgm2: self.wheel_inertia_kgm2.unwrap_or(p.wheel_inertia_kgm2),
-            auxiliary_power_w: self.auxiliary_power_w.unwrap_or(p.auxiliary_power_w),
-            engine_scale: self.engine_scale.unwrap_or(p.engine_scale),
             ..*p
         })
     }
@@ -270,12 +266,6 @@ parameters! {
         /// Road ahead that is planned with, m; the map shows no more than 64 of its cells.
         horizon_m: f64 = 2000.0, "m", 400.0..=3200.0,
             "At 1000: rms jerk +4 %, fuel -0.6 %; at 2500: rms jerk +3 %, fuel -2.6 %.";
-        /// Grade from which a cell is uphill; absent: that which full load holds at the set speed.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        uphill_grade: Option<f64> = None, "1", 0.0..=0.2, "Inferred.";
-        /// Grade to which a cell is downhill; absent: that which drag holds at the set speed.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        downhill_grade: Option<f64> = None, "1", -0.2..=0.0, "Inferred.";
     }
 }
 
@@ -342,11 +332,5 @@ parameters! {
         /// Inertia of all wheels, kg m², which with the engine's gives the rotating-mass factor delta.
         #[serde(skip_serializing_if = "Option::is_none")]
         wheel_inertia_kgm2: Option<f64> = None, "kg m²", 0.0..=2000.0, "Absent: the value of plant.vehicle.";
-        /// Power of the auxiliaries, W (inferred).
-        #[serde(skip_serializing_if = "Option::is_none")]
-        auxiliary_power_w: Option<f64> = None, "W", 0.0..=20000.0, "Absent: the value of plant.vehicle.";
-        /// Torque and fuel over those of the 12.7 L, 325 kW engine (inferred).
-        #[serde(skip_serializing_if = "Option::is_none")]
-        engine_scale: Option<f64> = None, "1", 0.1..=3.0, "Absent: the value of plant.vehicle.";
     }
 }

@@ -76,7 +76,7 @@ pub fn rows(
 /// Stretches that steps 1 and 2 of the planner make of the road, horizon by horizon, over its cells.
 pub fn stretches(preset: Preset, road: &GradeProfile) -> Option<f64> {
     let keys = RoadKeys::default();
-    let limits = LimitGrades::new(&Truck::preset(preset), &keys, SET_SPEED_MPS);
+    let limits = LimitGrades::new(&Truck::preset(preset), SET_SPEED_MPS);
     let mut reconstruction = Reconstruction::new(&keys);
     let (mut stretches, mut start_m) = (0, 0.0);
     while start_m < ROAD_M {
