@@ -91,7 +91,7 @@ fn curves_to(side: f64) -> Scenario {
          [plant]\ninitial_speed_mps = 20\n\
          [plant.lateral]\ndriver = {{ wander_m = 0 }}\n\
          yaw_rate = {{ offset_sigma_dps = 0, noise_dps = 0 }}\n\
-         [perception.course]\nsources = []\n\
+         [perception.course]\nsources = [\"yaw-rate\"]\n\
          [perception.radar]\nmodel = \"object-list\"\nrange_sigma_m = 0\nrange_rate_sigma_mps = 0\n\
          azimuth_sigma_deg = 0\ndropout_probability = 0\n\
          [road.plan]\npieces = [{{ line_m = 60 }}, {{ spiral_m = 60 }}, \
@@ -109,7 +109,7 @@ fn curves_to(side: f64) -> Scenario {
 }
 
 /// Left and right are the same to every model: across the road all signs change, along it no bit. The belief about the
-/// road draws at random, so that the path is straight here.
+/// road draws at random, so that the course is by the yaw rate alone here.
 #[test]
 fn a_mirrored_world_gives_the_mirrored_drive() {
     let [left, right] =

@@ -15,20 +15,16 @@
 //! assert_eq!(Course::STRAIGHT.locate(50.0, 2.5).d_m, 2.5);
 //! ```
 
+use super::belief::road::{Node, nearest};
+
 /// Places at which the course is evaluated.
 pub const NODES: usize = 24;
 /// Distance between two of them, m. The last one is beyond the radar's range.
 const SPACING_M: f64 = 8.0;
 
-/// A place of the course in the body's axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Node {
-    x_m: f64,
-    y_m: f64,
-    cosine: f64,
-    sine: f64,
-    curvature_perm: f64,
-}
+/// A node at the bumper along the body.
+const AHEAD: Node =
+    Node { x_m: 0.0, y_m: 0.0, cosine: 1.0, sine: 0.0, turn_rad: 0.0, curvature_perm: 0.0 };
 
 /// The road ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,19 +49,14 @@ pub struct Located {
 
 impl Course {
     /// The course of a straight road along the body.
-    pub const STRAIGHT: Self = Self {
-        is_straight: true,
-        heading_rad: 0.0,
-        nodes: [Node { x_m: 0.0, y_m: 0.0, cosine: 1.0, sine: 0.0, curvature_perm: 0.0 }; NODES],
-    };
+    pub const STRAIGHT: Self = Self { is_straight: true, heading_rad: 0.0, nodes: [AHEAD; NODES] };
 
     /// The course of a heading at the bumper, rad, and a curvature by the arc length, 1/m.
     #[must_use]
     pub fn bent(heading_rad: f64, curvature_perm: impl Fn(f64) -> f64) -> Self {
         let mut course = Self { is_straight: false, heading_rad, ..Self::STRAIGHT };
         let (sine, cosine) = libm::sincos(heading_rad);
-        let mut node =
-            Node { x_m: 0.0, y_m: 0.0, cosine, sine, curvature_perm: curvature_perm(0.0) };
+        let mut node = Node { cosine, sine, curvature_perm: curvature_perm(0.0), ..AHEAD };
         for index in 0..NODES {
             course.nodes[index] = node;
             let (from_m, from_perm) = (index as f64 * SPACING_M, node.curvature_perm);
@@ -113,7 +104,7 @@ impl Course {
         if self.is_straight {
             return Located { sigma_m: x_m, d_m: y_m, tangent: (1.0, 0.0), curvature_perm: 0.0 };
         }
-        let (index, along_m, across_m) = self.nearest(x_m, y_m);
+        let (index, along_m, across_m) = nearest(&self.nodes, (SPACING_M, 0.0), (x_m, y_m));
         let curvature = self.arc_of(index, along_m);
         // Polar coordinates about the middle of the arc, without a division by the curvature.
         let (a, g) = (curvature * along_m, 1.0 - curvature * across_m);
@@ -159,27 +150,6 @@ impl Course {
         let index = node_at(sigma_m / SPACING_M);
         let arc_m = sigma_m - index as f64 * SPACING_M;
         self.nodes[index].turned(self.arc_of(index, arc_m) * arc_m)
-    }
-
-    /// The node nearest to a point, and the point in its axes.
-    fn nearest(&self, x_m: f64, y_m: f64) -> (usize, f64, f64) {
-        let seen_from = |index: usize| {
-            let node = &self.nodes[index];
-            let (dx, dy) = (x_m - node.x_m, y_m - node.y_m);
-            (index, dx * node.cosine + dy * node.sine, dy * node.cosine - dx * node.sine)
-        };
-        let mut here = seen_from(node_at((x_m * x_m + y_m * y_m).sqrt() / SPACING_M));
-        // Each step brings the foot of the perpendicular closer; on a strong curve a few are needed.
-        for _ in 0..6 {
-            let (index, along_m, across_m) = here;
-            let stretch = (1.0 - self.nodes[index].curvature_perm * across_m).max(0.2);
-            let next = node_at(index as f64 + along_m / (SPACING_M * stretch));
-            if next == index {
-                break;
-            }
-            here = seen_from(next);
-        }
-        here
     }
 
     /// Curvature of the arc around a node; beyond both ends the course is a line.

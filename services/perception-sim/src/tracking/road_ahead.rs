@@ -1,6 +1,6 @@
 //! The road ahead by a scan: the slip angle, and the course.
 //!
-//! The course is the mean of a belief ([`super::belief`]). Without any source it is straight.
+//! The course is that of a belief ([`super::belief`]). Without any source it is straight.
 
 use messages::{Detection, MAX_DETECTIONS};
 
@@ -143,22 +143,22 @@ impl RoadAhead {
         }
     }
 
-    /// The belief; `None` of a straight path.
+    /// The belief; `None` of a straight path and of a circle.
     #[must_use]
     pub fn belief(&self) -> Option<&Belief> {
-        self.belief.as_deref()
+        self.belief.as_deref().filter(|belief| belief.looks_ahead())
     }
 
     /// The course.
     #[must_use]
     pub fn course(&self) -> &Course {
-        self.belief().map_or(&Course::STRAIGHT, Belief::course)
+        self.belief.as_deref().map_or(&Course::STRAIGHT, Belief::course)
     }
 
     /// Standard deviation of the course's place across the road at an arc length, m; 0 of the straight path.
     #[must_use]
     pub fn sigma_m(&self, sigma_m: f64) -> f64 {
-        self.belief().map_or(0.0, |belief| belief.sigma_m(sigma_m))
+        self.belief.as_deref().map_or(0.0, |belief| belief.sigma_m(sigma_m))
     }
 
     /// What stands at a place of the course is beside the ego's way.
@@ -208,6 +208,19 @@ mod tests {
         let point_m = ahead.course().place(50.0, 1.0);
         assert_eq!(belief.in_way_at((50.0, 1.0), 0.2, 1.8, true), belief.in_way(point_m, 0.2, 1.8));
         assert!(ahead.clothoid()[1] > 1e-4, "a curve to the left");
+    }
+
+    #[test]
+    fn by_the_yaw_rate_alone_it_is_the_ego_s_circle() {
+        let mut ahead = RoadAhead::new(Sources { yaw_rate: true, ..Sources::default() });
+        let motion = Motion { speed_mps: 20.0, yaw_rate_radps: Some(0.1), slip_rad: 0.01 };
+        (0..100).for_each(|_| {
+            ahead.find_blind(0.05, &motion, None);
+        });
+        assert!((ahead.course().curvature_perm(50.0) - 0.005).abs() < 1e-6);
+        assert_eq!(ahead.course().heading_rad(), 0.01);
+        assert!(ahead.belief().is_none(), "the limits of a straight road select the target");
+        assert!((ahead.sigma_m(100.0) - libm::hypot(1.2, 1.5)).abs() < 1e-9);
     }
 
     #[test]

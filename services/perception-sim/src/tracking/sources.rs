@@ -13,6 +13,14 @@ pub struct Sources {
     pub map: bool,
 }
 
+impl Sources {
+    /// One of them shows the road ahead of the ego. The yaw rate alone makes a circle.
+    #[must_use]
+    pub fn looks_ahead(&self) -> bool {
+        self.standing || self.trails || self.map
+    }
+}
+
 /// Curvatures of the map ahead.
 #[derive(Clone, Copy, Debug)]
 pub struct MapAhead<'a> {

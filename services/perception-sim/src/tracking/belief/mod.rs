@@ -15,6 +15,8 @@
 //! The rounds spread the work evenly: each scan computes as many likelihoods. A landmark counts once in all evidence.
 //! So the belief never takes one object for many, and its spread is the true uncertainty.
 //!
+//! By the yaw rate alone nothing is ahead to weigh roads by: the course is the ego's own circle.
+//!
 //! Draws are seeded. A step allocates nothing.
 //!
 //! Source: W. R. Gilks and C. Berzuini, Following a moving target: Monte Carlo inference for dynamic Bayesian models,
@@ -168,6 +170,12 @@ impl Belief {
         belief
     }
 
+    /// A source shows the road ahead.
+    #[must_use]
+    pub fn looks_ahead(&self) -> bool {
+        self.sources.looks_ahead()
+    }
+
     /// Moves the ego on to the next scan.
     pub fn advance(&mut self, dt_s: f64, motion: &Motion) {
         let told = motion.yaw_rate_radps.filter(|_| self.sources.yaw_rate);
@@ -197,6 +205,11 @@ impl Belief {
 
     /// Takes in a scan: the ego's motion, the map, and what stands. Allocates nothing.
     pub fn take(&mut self, motion: &Motion, map: Option<&MapAhead>, echoes: &[Echo]) {
+        self.evidence.slip_rad = motion.slip_rad;
+        if !self.sources.looks_ahead() {
+            self.course = self.bent();
+            return;
+        }
         if self.sources.standing {
             self.landmarks.take(&self.ego, echoes);
         }
@@ -227,7 +240,7 @@ impl Belief {
         evidence.marks.clear();
         evidence.way.clear();
         evidence.pairs.clear();
-        (evidence.speed_mps, evidence.slip_rad) = (motion.speed_mps, motion.slip_rad);
+        evidence.speed_mps = motion.speed_mps;
         for landmark in self.landmarks.list().iter().filter(|landmark| landmark.count >= 2.0) {
             let at_m = ego.seen(landmark.place_m);
             if at_m.0 >= -BEHIND_M {

@@ -15,6 +15,10 @@ const HALF_WIDTH_M: f64 = 0.9;
 const LEFT_M: f64 = 0.1;
 const LEFT_RAD: f64 = 0.002;
 
+/// Error of the circle's heading, rad, and of its curvature, 1/m: a wander of 0.2 m within the lane.
+const ASKEW_RAD: f64 = 0.012;
+const STEERED_PERM: f64 = 3e-4;
+
 /// Mean over the hypotheses, in the frame of the lines.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Mean {
@@ -66,6 +70,9 @@ impl Belief {
 
     /// The course from the ego on: the mean's heading and curvatures.
     pub(super) fn bent(&self) -> Course {
+        if !self.sources.looks_ahead() {
+            return Course::bent(self.evidence.slip_rad, |_| self.own_perm.unwrap_or(0.0));
+        }
         let ego = self.ego;
         let there = self.mean.line.beside(self.frame.seen((ego.x_m, ego.y_m)));
         let heading_rad = there.heading_rad - (ego.heading_rad - self.frame.heading_rad);
@@ -148,6 +155,9 @@ impl Belief {
     /// Standard deviation of the course's place across the road at an arc length, m.
     #[must_use]
     pub fn sigma_m(&self, sigma_m: f64) -> f64 {
+        if !self.sources.looks_ahead() {
+            return libm::hypot(ASKEW_RAD * sigma_m, 0.5 * STEERED_PERM * sigma_m * sigma_m);
+        }
         let (index, share) = between(sigma_m);
         let [a, b] = [self.mean.sigma_m[index], self.mean.sigma_m[index + 1]];
         a + share * (b - a)

@@ -177,7 +177,7 @@ impl Line {
     /// Distance of a point of the body's axes to the left of the line, m.
     #[must_use]
     pub fn across_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
-        let (index, along_m, across_m) = self.nearest(x_m, y_m);
+        let (index, along_m, across_m) = nearest(&self.nodes, (SPACING_M, FIRST_M), (x_m, y_m));
         let curvature = self.nodes[index].curvature_perm;
         let (a, g) = (curvature * along_m, 1.0 - curvature * across_m);
         let square = along_m * along_m + across_m * across_m;
@@ -187,7 +187,7 @@ impl Line {
     /// Place of a point of the body's axes.
     #[must_use]
     pub fn beside(&self, point: (f64, f64)) -> Beside {
-        let (index, along_m, across_m) = self.nearest(point.0, point.1);
+        let (index, along_m, across_m) = nearest(&self.nodes, (SPACING_M, FIRST_M), point);
         let node = &self.nodes[index];
         let curvature = node.curvature_perm;
         let slope = curvature * along_m / (1.0 - curvature * across_m).max(0.2);
@@ -199,32 +199,40 @@ impl Line {
             heading_rad: self.heading_rad + node.turn_rad + curvature * arc_m,
         }
     }
+}
 
-    /// The node nearest to a point, and the point in its axes.
-    fn nearest(&self, x_m: f64, y_m: f64) -> (usize, f64, f64) {
-        let seen_from = |index: usize| {
-            let node = &self.nodes[index];
-            let (dx, dy) = (x_m - node.x_m, y_m - node.y_m);
-            (index, dx * node.cosine + dy * node.sine, dy * node.cosine - dx * node.sine)
-        };
-        let range_m = (x_m * x_m + y_m * y_m).sqrt();
-        let place = BEHIND as f64 + if x_m < 0.0 { -range_m } else { range_m } / SPACING_M;
-        let mut here = seen_from((place.round().max(0.0) as usize).min(NODES - 1));
-        // Each step brings the foot of the perpendicular closer; on a strong curve a few are needed.
-        for _ in 0..5 {
-            let (index, along_m, across_m) = here;
-            if along_m.abs() <= 0.5 * SPACING_M {
-                break;
-            }
-            let stretch = (1.0 - self.nodes[index].curvature_perm * across_m).max(0.2);
-            let next = (index as f64 + along_m / (SPACING_M * stretch)).round().max(0.0) as usize;
-            if next.min(NODES - 1) == index {
-                break;
-            }
-            here = seen_from(next.min(NODES - 1));
+/// The node nearest to a point, and the point in its axes. The nodes are `spacing_m` apart, and the first one is at the
+/// arc length `first_m`.
+#[inline]
+pub fn nearest(
+    nodes: &[Node],
+    (spacing_m, first_m): (f64, f64),
+    (x_m, y_m): (f64, f64),
+) -> (usize, f64, f64) {
+    let last = (nodes.len() - 1) as f64;
+    let at = |place: f64| place.round().clamp(0.0, last) as usize;
+    let seen_from = |index: usize| {
+        let node = &nodes[index];
+        let (dx, dy) = (x_m - node.x_m, y_m - node.y_m);
+        (index, dx * node.cosine + dy * node.sine, dy * node.cosine - dx * node.sine)
+    };
+    let range_m = (x_m * x_m + y_m * y_m).sqrt();
+    let mut here =
+        seen_from(at((if x_m < 0.0 { -range_m } else { range_m } - first_m) / spacing_m));
+    // Each step brings the foot of the perpendicular closer; on a strong curve a few are needed.
+    for _ in 0..5 {
+        let (index, along_m, across_m) = here;
+        if along_m.abs() <= 0.5 * spacing_m {
+            break;
         }
-        here
+        let stretch = (1.0 - nodes[index].curvature_perm * across_m).max(0.2);
+        let next = at(index as f64 + along_m / (spacing_m * stretch));
+        if next == index {
+            break;
+        }
+        here = seen_from(next);
     }
+    here
 }
 
 /// Cosine and sine of a turn between two nodes: series whose error is below 1e-7 up to 0.6 rad.
