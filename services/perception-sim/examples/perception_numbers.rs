@@ -14,15 +14,16 @@ use messages::{Detection, MAX_DETECTIONS};
 use parameters::effect::{Figure, line};
 use parameters::{Row, Table};
 use perception_sim::quality::Quality;
+use perception_sim::radar::Scan;
 use perception_sim::radar::detections::DetectionRadar;
 use perception_sim::radar::numbers::Numbers as RadarNumbers;
 use perception_sim::radar::receiver::Receiver;
 use perception_sim::radar::scene::{Ego, Scene};
 use perception_sim::tracking::TrackList;
 use perception_sim::tracking::course::Course;
-use perception_sim::tracking::detection_tracker::DetectionTracker;
 use perception_sim::tracking::ego_speed::EgoSpeed;
 use perception_sim::tracking::numbers::Numbers as TrackerNumbers;
+use perception_sim::tracking::tracker::Tracker;
 use perception_sim::traffic::Traffic;
 use scenario::Scenario;
 
@@ -133,13 +134,13 @@ impl Drive {
         numbers: &TrackerNumbers,
         sums: &mut Sums,
     ) {
-        let mut tracker = DetectionTracker::new(&self.scenario, receiver, numbers);
+        let mut tracker = Tracker::new(&self.scenario, receiver, numbers);
         let mut ego_speed = EgoSpeed::new(numbers);
         let mut quality = Quality::new(&self.scenario);
         for (k, (scene, detections)) in self.truth.iter().zip(scans).enumerate() {
             let known =
                 ego_speed.take_scan(&Course::STRAIGHT, scene.time_ns, scene.told, detections);
-            let list = tracker.step(scene.time_ns, &known, None, None, detections);
+            let list = tracker.step(scene.time_ns, &known, None, None, Scan::of_echoes(detections));
             if k < SETTLING {
                 continue;
             }

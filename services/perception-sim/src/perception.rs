@@ -15,25 +15,25 @@ use scenario::perception::{MAX_LATENCY_SCANS, RadarModel};
 
 use crate::plane::sources;
 use crate::quality::Quality;
+use crate::radar::Scan;
 use crate::radar::detections::DetectionRadar;
 use crate::radar::object_list::ObjectListRadar;
 use crate::radar::receiver::Received;
 use crate::radar::scene::{Ego, PlaneEgo, Scene};
 use crate::tracking::TrackList;
-use crate::tracking::detection_tracker::DetectionTracker;
 use crate::tracking::ego_speed::EgoSpeed;
 use crate::tracking::exact_tracker::ExactTracker;
 use crate::tracking::numbers::Numbers;
-use crate::tracking::object_tracker::ObjectTracker;
 use crate::tracking::road_ahead::RoadAhead;
 use crate::tracking::sources::{MapAhead, Sources};
+use crate::tracking::tracker::Tracker;
 use crate::traffic::Traffic;
 use crate::vehicle::Vehicle;
 
 /// Scans held back at most, and the newest one.
 const HELD: usize = MAX_LATENCY_SCANS as usize + 1;
 
-/// Scans before the start from which a tracker of detections gets the traffic.
+/// Scans before the start from which the tracker gets the traffic.
 const SETTLING_SCANS: u64 = 30;
 
 /// The other vehicles and all that the ego perceives of them.
@@ -63,8 +63,14 @@ pub struct Perception {
 #[derive(Clone, Debug)]
 enum Sensor {
     Ideal(ExactTracker),
-    ObjectList(Box<(ObjectListRadar, ObjectTracker)>),
-    Detections(Box<(DetectionRadar, DetectionTracker)>),
+    Tracked(Box<(Radar, Tracker)>),
+}
+
+/// A radar whose output is tracked.
+#[derive(Clone, Debug)]
+enum Radar {
+    ObjectList(ObjectListRadar),
+    Detections(DetectionRadar),
 }
 
 impl Perception {
@@ -85,14 +91,15 @@ impl Perception {
                 latency_scans = 0;
                 Sensor::Ideal(ExactTracker::new(scenario))
             }
-            RadarModel::ObjectList => Sensor::ObjectList(Box::new((
-                ObjectListRadar::new(scenario),
-                ObjectTracker::new(scenario),
-            ))),
+            RadarModel::ObjectList => {
+                let radar = ObjectListRadar::new(scenario);
+                let tracker = Tracker::new(scenario, radar.receiver(), numbers);
+                Sensor::Tracked(Box::new((Radar::ObjectList(radar), tracker)))
+            }
             RadarModel::Detections => {
                 let radar = DetectionRadar::new(scenario);
-                let tracker = DetectionTracker::new(scenario, radar.receiver(), numbers);
-                Sensor::Detections(Box::new((radar, tracker)))
+                let tracker = Tracker::new(scenario, radar.receiver(), numbers);
+                Sensor::Tracked(Box::new((Radar::Detections(radar), tracker)))
             }
         };
         let road = scenario.road.plan().map(|plan| Arc::new(plan.axis().clone()));
@@ -126,10 +133,10 @@ impl Perception {
         for scene in self.held.iter_mut().chain(&mut self.rooms) {
             *scene = Scene::with_room(self.traffic.vehicles().len(), true);
         }
-        match &mut self.sensor {
-            Sensor::Ideal(_) => {}
-            Sensor::ObjectList(both) => both.1.follow_course(sources),
-            Sensor::Detections(both) => both.1.follow_course(sources),
+        if let Sensor::Tracked(both) = &mut self.sensor {
+            // An object list has no standing objects.
+            let standing = sources.standing && matches!(both.0, Radar::Detections(_));
+            both.1.follow_course(Sources { standing, ..sources });
         }
         self
     }
@@ -181,7 +188,7 @@ impl Perception {
 
     /// Takes the scans that are before the first one.
     fn warm_up(&mut self, now: &Scene, detections: &mut [Detection; MAX_DETECTIONS]) {
-        let settles = now.time_ns == 0 && matches!(self.sensor, Sensor::Detections(_));
+        let settles = now.time_ns == 0 && self.tracker().is_some();
         let settling = if settles { SETTLING_SCANS } else { 0 };
         let mut scene = std::mem::take(&mut self.rooms[1]);
         for back in (1..=self.latency_scans as u64 + settling).rev() {
@@ -228,21 +235,27 @@ impl Perception {
         self.received = Received::default();
         self.list = match &mut self.sensor {
             Sensor::Ideal(tracker) => tracker.step(out),
-            Sensor::ObjectList(both) => {
+            Sensor::Tracked(both) => {
                 let (radar, tracker) = both.as_mut();
-                let scan = radar.scan(out);
-                let known = out.told.unwrap_or(self.known);
-                self.known = known;
-                tracker.step(out.time_ns, &known, yaw_rate_radps, map, scan)
-            }
-            Sensor::Detections(both) => {
-                let (radar, tracker) = both.as_mut();
-                self.received = radar.scan(road, out, detections);
-                let detections = &detections[..self.received.count];
-                let course = tracker.ahead().course();
-                self.known = self.ego_speed.take_scan(course, out.time_ns, out.told, detections);
-                let known = &self.known;
-                tracker.step(out.time_ns, known, yaw_rate_radps, map, detections)
+                let scan = match radar {
+                    Radar::ObjectList(radar) => {
+                        self.known = out.told.unwrap_or(self.known);
+                        radar.scan(out)
+                    }
+                    Radar::Detections(radar) => {
+                        self.received = radar.scan(road, out, detections);
+                        let scan = Scan::of_echoes(&detections[..self.received.count]);
+                        let course = tracker.ahead().course();
+                        self.known = self.ego_speed.take_scan(
+                            course,
+                            out.time_ns,
+                            out.told,
+                            scan.detections,
+                        );
+                        scan
+                    }
+                };
+                tracker.step(out.time_ns, &self.known, yaw_rate_radps, map, scan)
             }
         };
     }
@@ -262,20 +275,19 @@ impl Perception {
     /// Share of the expected detections that the radar gives; 1 with exact tracks.
     #[must_use]
     pub fn seen_share(&self) -> f64 {
-        match &self.sensor {
-            Sensor::Ideal(_) => 1.0,
-            Sensor::ObjectList(both) => both.1.seen_share(),
-            Sensor::Detections(both) => both.1.seen_share(),
-        }
+        self.tracker().map_or(1.0, Tracker::seen_share)
     }
 
     /// The road ahead as the tracker estimates it; `None` with exact tracks.
     #[must_use]
     pub fn road_ahead(&self) -> Option<&RoadAhead> {
+        self.tracker().map(Tracker::ahead)
+    }
+
+    fn tracker(&self) -> Option<&Tracker> {
         match &self.sensor {
             Sensor::Ideal(_) => None,
-            Sensor::ObjectList(both) => Some(both.1.ahead()),
-            Sensor::Detections(both) => Some(both.1.ahead()),
+            Sensor::Tracked(both) => Some(&both.1),
         }
     }
 
@@ -288,7 +300,10 @@ impl Perception {
     /// Figures of how well the tracks have matched the traffic.
     #[must_use]
     pub fn report(&self) -> PerceptionReport {
-        let counts = matches!(self.sensor, Sensor::Detections(_));
+        let counts = match &self.sensor {
+            Sensor::Tracked(both) => matches!(both.0, Radar::Detections(_)),
+            Sensor::Ideal(_) => false,
+        };
         PerceptionReport {
             detections: counts.then_some(self.detections),
             detections_left_out: counts.then_some(self.detections_left_out),

@@ -16,3 +16,22 @@ pub mod rail;
 pub mod receiver;
 pub mod roadside;
 pub mod scene;
+
+use messages::Detection;
+
+/// What a radar gives in one scan.
+#[derive(Clone, Copy, Debug)]
+pub struct Scan<'a> {
+    /// Its detections, in the order of their ranges if their vehicles are not known.
+    pub detections: &'a [Detection],
+    /// The vehicle of each, by its place in the scenario; empty if they are not known.
+    pub vehicles: &'a [usize],
+}
+
+impl<'a> Scan<'a> {
+    /// Detections of which nobody knows the vehicle.
+    #[must_use]
+    pub fn of_echoes(detections: &'a [Detection]) -> Self {
+        Self { detections, vehicles: &[] }
+    }
+}

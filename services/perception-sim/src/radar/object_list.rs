@@ -8,9 +8,14 @@
 //! Every vehicle has its own stream of random numbers, drawn whether it is visible or not. So events of one vehicle do
 //! not change the noise on another.
 
+use bytemuck::Zeroable;
+use messages::Detection;
 use scenario::Scenario;
 use scenario::perception::Radar;
 
+use super::Scan;
+use super::numbers::Numbers;
+use super::receiver::{Accuracy, Receiver};
 use super::scene::Scene;
 use crate::random::Random;
 
@@ -24,9 +29,6 @@ pub struct Measurement {
     /// Azimuth, rad, left positive.
     pub azimuth_rad: f64,
 }
-
-/// Measurements of one scan, by the vehicle's place in the scenario.
-pub type Scan = [Option<Measurement>];
 
 /// Range and field of view.
 #[derive(Clone, Copy, Debug)]
@@ -94,13 +96,12 @@ impl View {
 #[derive(Clone, Debug)]
 pub struct ObjectListRadar {
     view: View,
-    range_sigma_m: f64,
-    range_rate_sigma_mps: f64,
-    azimuth_sigma_rad: f64,
+    receiver: Receiver,
     dropout_probability: f64,
     noise: Vec<Random>,
     /// The last scan.
-    scan: Vec<Option<Measurement>>,
+    detections: Vec<Detection>,
+    vehicles: Vec<usize>,
 }
 
 impl ObjectListRadar {
@@ -109,35 +110,51 @@ impl ObjectListRadar {
     pub fn new(scenario: &Scenario) -> Self {
         let radar = &scenario.perception.radar;
         let seed = scenario.seed.value();
+        let actors = scenario.actors.len();
+        let exact = |floor: f64| Accuracy { resolution: 0.0, floor };
         Self {
             view: View::new(radar),
-            range_sigma_m: radar.range_sigma_m.value(),
-            range_rate_sigma_mps: radar.range_rate_sigma_mps.value(),
-            azimuth_sigma_rad: radar.azimuth_sigma_deg.value().to_radians(),
+            receiver: Receiver {
+                range: exact(radar.range_sigma_m.value()),
+                range_rate: exact(radar.range_rate_sigma_mps.value()),
+                azimuth: exact(radar.azimuth_sigma_deg.value().to_radians()),
+                merges: false,
+                threshold: 1.0,
+                false_alarms: 0.0,
+                numbers: Numbers::DEFAULT,
+            },
             dropout_probability: radar.dropout_probability.value(),
-            scan: vec![None; scenario.actors.len()],
-            noise: (0..scenario.actors.len() as u64)
-                .map(|actor| Random::of_run(seed, actor))
-                .collect(),
+            noise: (0..actors as u64).map(|actor| Random::of_run(seed, actor)).collect(),
+            detections: Vec::with_capacity(actors),
+            vehicles: Vec::with_capacity(actors),
         }
     }
 
+    /// Its accuracy. It resolves all vehicles, and no signal-to-noise ratio changes its errors.
+    #[must_use]
+    pub fn receiver(&self) -> &Receiver {
+        &self.receiver
+    }
+
     /// Takes one scan of a scene.
-    pub fn scan(&mut self, scene: &Scene) -> &Scan {
-        for (i, (place, random)) in self.scan.iter_mut().zip(&mut self.noise).enumerate() {
+    pub fn scan(&mut self, scene: &Scene) -> Scan<'_> {
+        self.detections.clear();
+        self.vehicles.clear();
+        let Receiver { range, range_rate, azimuth, .. } = self.receiver;
+        for (vehicle, random) in self.noise.iter_mut().enumerate() {
             let noise = Noise::draw(random);
-            *place = self
-                .view
-                .measure(scene, i)
-                .filter(|_| noise.uniform >= self.dropout_probability)
-                .map(|exact| Measurement {
-                    range_m: (exact.range_m + self.range_sigma_m * noise.gaussian[0]).max(0.0),
-                    range_rate_mps: exact.range_rate_mps
-                        + self.range_rate_sigma_mps * noise.gaussian[1],
-                    azimuth_rad: exact.azimuth_rad + self.azimuth_sigma_rad * noise.gaussian[2],
+            let Some(exact) = self.view.measure(scene, vehicle) else { continue };
+            if noise.uniform >= self.dropout_probability {
+                self.vehicles.push(vehicle);
+                self.detections.push(Detection {
+                    range_m: (exact.range_m + range.floor * noise.gaussian[0]).max(0.0),
+                    range_rate_mps: exact.range_rate_mps + range_rate.floor * noise.gaussian[1],
+                    azimuth_rad: exact.azimuth_rad + azimuth.floor * noise.gaussian[2],
+                    ..Detection::zeroed()
                 });
+            }
         }
-        &self.scan
+        Scan { detections: &self.detections, vehicles: &self.vehicles }
     }
 }
 
@@ -196,7 +213,7 @@ mod tests {
     #[test]
     fn geometry_without_noise() {
         let mut radar = radar(EXACT, 1);
-        let detection = radar.scan(&scene(&[vehicle(40.0, 3.0)]))[0].expect("it is visible");
+        let detection = radar.scan(&scene(&[vehicle(40.0, 3.0)])).detections[0];
         let range = (1600.0f64 + 9.0).sqrt();
         assert!((detection.range_m - range).abs() < 1e-12);
         assert!((detection.range_rate_mps + 5.0 * 40.0 / range).abs() < 1e-12);
@@ -207,7 +224,7 @@ mod tests {
     fn range_and_field_of_view_end_where_they_should() {
         let keys = format!("{EXACT}\nmax_range_m = 100\nfield_of_view_deg = 90");
         let mut radar = radar(&keys, 1);
-        let mut sees = |x, y| radar.scan(&scene(&[vehicle(x, y)]))[0].is_some();
+        let mut sees = |x, y| !radar.scan(&scene(&[vehicle(x, y)])).detections.is_empty();
         assert!(sees(100.0, 0.0) && !sees(100.001, 0.0));
         assert!(sees(10.0, 9.99) && !sees(10.0, 10.01));
         assert!(sees(10.0, -9.99) && !sees(10.0, -10.01));
@@ -217,7 +234,7 @@ mod tests {
     #[test]
     fn a_vehicle_that_is_not_there_is_not_seen() {
         let absent = Vehicle { present: false, ..vehicle(40.0, 0.0) };
-        assert_eq!(radar(EXACT, 1).scan(&scene(&[absent])), [None]);
+        assert!(radar(EXACT, 1).scan(&scene(&[absent])).detections.is_empty());
     }
 
     #[test]
@@ -227,7 +244,10 @@ mod tests {
         let mut radar = radar(keys, 1);
         let (n, mut seen, mut sum, mut squares) = (40_000, 0.0, [0.0; 3], [0.0; 3]);
         for _ in 0..n {
-            let Some(d) = radar.scan(&scene(&[vehicle(40.0, 0.0)]))[0] else { continue };
+            let Some(d) = radar.scan(&scene(&[vehicle(40.0, 0.0)])).detections.first().copied()
+            else {
+                continue;
+            };
             seen += 1.0;
             let errors = [d.range_m - 40.0, d.range_rate_mps + 5.0, d.azimuth_rad.to_degrees()];
             for (i, error) in errors.into_iter().enumerate() {
@@ -253,7 +273,7 @@ mod tests {
             );
             let mut radar =
                 ObjectListRadar::new(&Scenario::parse("x.toml", &text).expect("it is right"));
-            [(); 20].map(|()| radar.scan(&scene(&[vehicle(40.0, 0.0)]))[0])
+            [(); 20].map(|()| radar.scan(&scene(&[vehicle(40.0, 0.0)])).detections.first().copied())
         };
         assert_eq!(scans(1), scans(1));
         assert_ne!(scans(1), scans(2));
@@ -265,7 +285,10 @@ mod tests {
         for k in 0..50 {
             let first = vehicle(40.0, 0.0);
             let second = vehicle(20.0 + f64::from(k), -3.5);
-            assert_eq!(alone.scan(&scene(&[first]))[0], together.scan(&scene(&[first, second]))[0]);
+            let both = together.scan(&scene(&[first, second]));
+            let alone = alone.scan(&scene(&[first]));
+            assert_eq!((alone.vehicles.len(), both.vehicles[0]), (1, 0));
+            assert_eq!(alone.detections[0], both.detections[0]);
         }
     }
 }

@@ -42,8 +42,12 @@ pub struct Point {
     pub lateral_variance: f64,
     /// Speed over ground along the line of sight, m/s.
     pub ground_speed_mps: f64,
+    /// Half of the width of the rear whose middle it is, m; 0 of an echo.
+    pub half_width_m: f64,
     /// Index of the detection.
     pub detection: usize,
+    /// Its vehicle, if the radar knows it.
+    pub vehicle: Option<usize>,
     /// Place of the track that it belongs to.
     pub owner: Option<usize>,
 }
@@ -96,7 +100,9 @@ impl Point {
             range_rate_variance: receiver.range_rate.variance(snr).max(1e-6),
             lateral_variance: (receiver.azimuth.variance(snr) * cross_m * cross_m).max(1e-6),
             ground_speed_mps: detection.range_rate_mps + ego_mps * cosine,
+            half_width_m: 0.0,
             detection: index,
+            vehicle: None,
             owner: None,
         };
         if course.is_straight() {
@@ -132,6 +138,8 @@ impl Point {
 pub struct Outline {
     /// Place of the track.
     pub place: usize,
+    /// The vehicle that the radar knows it to be.
+    pub vehicle: Option<usize>,
     /// It is confirmed.
     pub confirmed: bool,
     /// Position of the rear and of its lateral centre, m.
@@ -212,9 +220,14 @@ impl Outline {
     }
 }
 
-/// Gives every point to the track with the nearest outline.
+/// Gives every point to the track of its vehicle, or to the one with the nearest outline.
 pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64, numbers: &Numbers) {
     for point in points {
+        if point.vehicle.is_some() {
+            let own = outlines.iter().find(|outline| outline.vehicle == point.vehicle);
+            point.owner = own.map(|outline| outline.place);
+            continue;
+        }
         let mut nearest = f64::INFINITY;
         for outline in outlines {
             if let Some(distance) = outline.distance(point, gate, numbers)

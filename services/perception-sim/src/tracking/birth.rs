@@ -5,6 +5,8 @@
 //! There a standing object is an obstacle. The track needs twice the scans to be confirmed. Standing echoes elsewhere
 //! count as roadside. A vehicle that has been tracked while it moved stays a track when it stops. Nothing begins three
 //! lanes off ([`super::mirror`]).
+//!
+//! A detection whose vehicle the radar knows begins a track wherever it is, and counts as a vehicle that has moved.
 
 use super::association::{Outline, Point};
 use super::mirror;
@@ -31,6 +33,7 @@ pub fn find(
     for point in points.iter_mut() {
         let stands_aside = !moves(point, numbers) && is_aside(point);
         if point.owner.is_none()
+            && point.vehicle.is_none()
             && (stands_aside
                 || mirror::is_too_far(point, numbers)
                 || outlines.iter().any(|outline| outline.covers(point, numbers)))
@@ -46,6 +49,7 @@ pub fn find(
         let mut last = seed;
         for point in &mut points[first..] {
             if point.owner.is_none()
+                && point.vehicle == seed.vehicle
                 && (together(&seed, point, numbers) || chained(&last, point, numbers))
             {
                 point.owner = Some(NEW_TRACK);
@@ -54,7 +58,7 @@ pub fn find(
         }
         let members = points.iter().filter(|point| point.owner == Some(NEW_TRACK));
         if let Some(sighting) = Sighting::of(members, 0.0, numbers) {
-            begin(&sighting, moves(&seed, numbers));
+            begin(&sighting, seed.vehicle.is_some() || moves(&seed, numbers));
         }
         for point in points.iter_mut().filter(|point| point.owner == Some(NEW_TRACK)) {
             point.owner = Some(NO_TRACK);
@@ -199,6 +203,7 @@ mod tests {
     fn nothing_begins_on_a_track_that_was_seen() {
         let outline = Outline {
             place: 0,
+            vehicle: None,
             confirmed: true,
             rear_m: 40.0,
             lateral_m: 0.0,

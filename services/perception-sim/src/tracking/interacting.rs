@@ -10,8 +10,7 @@
 //! ```
 //!
 //! Source: Blom and Bar-Shalom, The interacting multiple model algorithm for systems with Markovian
-//! switching coefficients, IEEE Trans. Automatic Control 33 (1988) 780. With one model it is that Kalman
-//! filter, bit for bit.
+//! switching coefficients, IEEE Trans. Automatic Control 33 (1988) 780.
 
 use std::array::from_fn;
 
@@ -25,6 +24,7 @@ const LEAST_WEIGHT: f64 = 1e-4;
 pub struct Bank<const N: usize, const M: usize> {
     filters: [Gaussian<N>; M],
     weights: [f64; M],
+    combined: Gaussian<N>,
 }
 
 impl<const N: usize, const M: usize> Bank<N, M> {
@@ -33,24 +33,12 @@ impl<const N: usize, const M: usize> Bank<N, M> {
     pub fn new(filters: [Gaussian<N>; M]) -> Self {
         let mut weights = [0.1 / M as f64; M];
         weights[0] += 0.9;
-        if M == 1 {
-            weights[0] = 1.0;
-        }
-        Self { filters, weights }
+        Self { filters, weights, combined: mixture(&filters, &weights) }
     }
 
     /// Mixes the filters and then moves each on. `change[i]` is the probability that model `i` ends within the step;
     /// every other one is equally likely to follow.
     pub fn predict(&mut self, change: &[f64; M], mut advance: impl FnMut(usize, &mut Gaussian<N>)) {
-        if M > 1 {
-            self.mix(change);
-        }
-        for (model, filter) in self.filters.iter_mut().enumerate() {
-            advance(model, filter);
-        }
-    }
-
-    fn mix(&mut self, change: &[f64; M]) {
         let others = (M - 1) as f64;
         let before = self.filters;
         let shares: [[f64; M]; M] = from_fn(|to| {
@@ -60,23 +48,25 @@ impl<const N: usize, const M: usize> Bank<N, M> {
                 probability * self.weights[from]
             })
         });
-        for to in 0..M {
+        for (to, filter) in self.filters.iter_mut().enumerate() {
             let total: f64 = shares[to].iter().sum();
             self.weights[to] = total;
-            let share = shares[to].map(|share| share / total);
-            self.filters[to] = mixture(&before, &share);
+            *filter = mixture(&before, &shares[to].map(|share| share / total));
+            advance(to, filter);
         }
+        self.combined = mixture(&self.filters, &self.weights);
     }
 
     /// Changes the state of each filter in the same way.
     pub fn change(&mut self, change: impl FnMut(&mut Gaussian<N>)) {
         self.filters.iter_mut().for_each(change);
+        self.combined = mixture(&self.filters, &self.weights);
     }
 
     /// The bank's expectation and its covariance, the models' disagreement included.
     #[must_use]
-    pub fn combined(&self) -> Gaussian<N> {
-        if M == 1 { self.filters[0] } else { mixture(&self.filters, &self.weights) }
+    pub fn combined(&self) -> &Gaussian<N> {
+        &self.combined
     }
 
     /// Probability of each model.
@@ -112,9 +102,6 @@ impl<const N: usize, const M: usize> Bank<N, M> {
                 factors[model] /= innovation.variance;
             }
         }
-        if M == 1 {
-            return;
-        }
         let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
         for model in 0..M {
             let farther = std::f64::consts::LOG2_E * (nearest - distances[model]);
@@ -125,11 +112,7 @@ impl<const N: usize, const M: usize> Bank<N, M> {
         self.weights = self.weights.map(|weight| (weight / total).max(LEAST_WEIGHT));
         let total: f64 = self.weights.iter().sum();
         self.weights = self.weights.map(|weight| weight / total);
-    }
-
-    /// Changes every filter's state.
-    pub fn for_each(&mut self, change: impl FnMut(&mut Gaussian<N>)) {
-        self.filters.iter_mut().for_each(change);
+        self.combined = mixture(&self.filters, &self.weights);
     }
 }
 
@@ -205,26 +188,6 @@ mod tests {
         assert_eq!((both.mean, both.covariance), ([0.0], [[1.5]]));
     }
 
-    #[test]
-    fn one_model_is_the_kalman_filter_bit_for_bit() {
-        let start = Gaussian::independent([1.0, 2.0], [0.3, 0.7]);
-        let mut bank = Bank::new([start]);
-        let mut plain = start;
-        let advance = |filter: &mut Gaussian<2>| {
-            filter.mean[0] += 0.1 * filter.mean[1];
-            filter.spread(&[[1.0, 0.1], [0.0, 0.97]], &[0.1, 1.0], 0.2);
-        };
-        for k in 0..100 {
-            let measured = libm::sin(f64::from(k));
-            bank.predict(&[0.5], |_, filter| advance(filter));
-            bank.correct(&[(0, measured, 0.2)]);
-            advance(&mut plain);
-            let innovation = plain.innovation(0, measured, 0.2);
-            plain.correct(0, &innovation);
-            assert_eq!(bank.combined(), plain);
-        }
-    }
-
     #[track_caller]
     fn assert_near(found: f64, expected: f64) {
         assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
@@ -295,7 +258,7 @@ mod tests {
     fn all_filters_are_changed_alike() {
         let mut bank = apart([1.0, 1.0]);
         bank.change(|filter| filter.mean[0] += 1.0);
-        bank.for_each(|filter| filter.mean[0] *= 2.0);
+        bank.change(|filter| filter.mean[0] *= 2.0);
         assert_eq!(bank.filters.map(|filter| filter.mean[0]), [2.0, 6.0]);
     }
 }

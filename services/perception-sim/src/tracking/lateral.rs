@@ -11,10 +11,7 @@ use kalman::Gaussian;
 
 /// The filter of one vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Filter {
-    bank: Bank<2, 2>,
-    combined: Gaussian<2>,
-}
+pub struct Filter(Bank<2, 2>);
 
 impl Filter {
     /// A filter that starts with one measured position, m.
@@ -23,7 +20,7 @@ impl Filter {
         let speed_variance = numbers.first_lateral_mps * numbers.first_lateral_mps;
         let state =
             Gaussian::independent([position.value, 0.0], [position.variance, speed_variance]);
-        Self { bank: Bank::new([state; 2]), combined: state }
+        Self(Bank::new([state; 2]))
     }
 
     /// Moves the estimate on by `dt_s`.
@@ -33,62 +30,59 @@ impl Filter {
         let change = sojourns_s.map(|sojourn_s| (dt_s / sojourn_s).min(0.5));
         // The first order of the fading's exponential: steps are short beside it.
         let fading = [1.0 / (1.0 + dt_s / numbers.fading_s), 1.0];
-        self.bank.predict(&change, |model, state| {
+        self.0.predict(&change, |model, state| {
             let kept = fading[model];
             state.mean[0] += dt_s * state.mean[1];
             state.mean[1] *= kept;
             state.spread(&[[1.0, dt_s], [0.0, kept]], &[0.5 * dt_s, 1.0], density[model] * dt_s);
         });
-        self.combined = self.bank.combined();
     }
 
     /// Takes in a measured position, m. A distant one counts as one at the limit.
     pub fn update(&mut self, position: Measured, numbers: &Numbers) {
-        let innovation = self.bank.widest(0, position.value, position.variance);
+        let innovation = self.0.widest(0, position.value, position.variance);
         let limit = numbers.lateral_limit_sigma * innovation.variance.sqrt();
         let predicted = position.value - innovation.residual;
         let value = predicted + innovation.residual.clamp(-limit, limit);
         if value.is_finite() {
-            self.bank.correct(&[(0, value, position.variance)]);
-            self.combined = self.bank.combined();
+            self.0.correct(&[(0, value, position.variance)]);
         }
     }
 
     /// Moves the position by `by_m`: the axis from which it is measured has moved the other way.
     pub fn shift(&mut self, by_m: f64) {
-        self.bank.change(|state| state.mean[0] += by_m);
-        self.combined.mean[0] += by_m;
+        self.0.change(|state| state.mean[0] += by_m);
     }
 
     /// Lateral position, m.
     #[must_use]
     pub fn position_m(&self) -> f64 {
-        self.combined.mean[0]
+        self.0.combined().mean[0]
     }
 
     /// Lateral position with its variance.
     #[must_use]
     pub fn position(&self) -> Measured {
-        let variance = self.combined.covariance[0][0].max(0.0);
+        let variance = self.0.combined().covariance[0][0].max(0.0);
         Measured { value: self.position_m(), variance }
     }
 
     /// Lateral speed, m/s.
     #[must_use]
     pub fn speed_mps(&self) -> f64 {
-        self.combined.mean[1]
+        self.0.combined().mean[1]
     }
 
     /// Standard deviation of the lateral position, m.
     #[must_use]
     pub fn position_sigma_m(&self) -> f64 {
-        self.combined.covariance[0][0].max(0.0).sqrt()
+        self.0.combined().covariance[0][0].max(0.0).sqrt()
     }
 
     /// Standard deviation of the lateral speed, m/s.
     #[must_use]
     pub fn speed_sigma_mps(&self) -> f64 {
-        self.combined.covariance[1][1].max(0.0).sqrt()
+        self.0.combined().covariance[1][1].max(0.0).sqrt()
     }
 }
 
@@ -204,7 +198,7 @@ mod tests {
     #[test]
     fn a_speed_moves_the_position_and_fades_in_the_lane() {
         let mut filter = Filter::start(Measured::new(1.0, 0.2), &Numbers::DEFAULT);
-        filter.bank.change(|state| state.mean[1] = 2.0);
+        filter.0.change(|state| state.mean[1] = 2.0);
         filter.predict(DT_S, &Numbers::DEFAULT);
         assert_near(filter.position_m(), 1.1);
         let in_lane = 0.95 * 0.99 + 0.05 * 0.025;

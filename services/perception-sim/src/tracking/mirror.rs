@@ -48,7 +48,7 @@ pub fn is_image(track: &DetectedTrack, vehicle: &DetectedTrack, numbers: &Number
 
 #[cfg(test)]
 mod tests {
-    use super::super::longitudinal::{Kind, Maneuver, Model};
+    use super::super::longitudinal::{Maneuver, Model};
     use super::super::sighting::Sighting;
     use super::DetectedTrack;
     use super::Numbers;
@@ -56,7 +56,7 @@ mod tests {
 
     fn track(gap_m: f64, lateral_m: f64, relative_mps: f64) -> DetectedTrack {
         let quiet = Maneuver { sigma_mps2: 1.0, tau_s: 2.0 };
-        let model = Model::new(Kind::Interacting, quiet, 4.0, &Numbers::DEFAULT);
+        let model = Model::new(quiet, 4.0, &Numbers::DEFAULT);
         let points = [point(gap_m, lateral_m, relative_mps)];
         let sighting = Sighting::of(points.iter(), 0.0, &Numbers::DEFAULT).expect("a point");
         DetectedTrack::begin(&model, &sighting, true)

@@ -17,7 +17,7 @@
 //! use perception_sim::tracking::numbers::Numbers;
 //!
 //! let calm = Numbers { hard_mps2: 5.0, ..Numbers::DEFAULT };
-//! assert!(calm.hard_mps2 > calm.moderate_mps2);
+//! assert!(calm.hard_mps2 < calm.hardest_mps2);
 //! ```
 
 use parameters::parameters;
@@ -27,22 +27,10 @@ parameters! {
     pub struct Numbers {
         // Motion along the road.
 
-        /// Standard deviation of the acceleration of a lead that brakes or accelerates in ordinary traffic.
-        moderate_mps2: f64 = 2.0, "m/s²", 1.0..=4.0, "Chosen. At 1 and 4 nothing changes.";
-        /// Correlation time of that acceleration.
-        moderate_s: f64 = 1.5, "s", 0.3..=10.0, "Chosen. At 0.75 and 3 nothing changes.";
         /// Standard deviation of the acceleration of a lead in emergency braking.
         hard_mps2: f64 = 7.0, "m/s²", 4.0..=12.0, "Chosen. At 4 GOSPA +2 %, error of the target's acceleration +6 %; at 12 no change.";
-        /// Correlation time of that acceleration.
-        hard_s: f64 = 1.5, "s", 0.3..=10.0, "Chosen. At 0.75 and 3 nothing changes.";
         /// Hardest braking and acceleration of a vehicle, which bound the estimate.
         hardest_mps2: f64 = 10.0, "m/s²", 6.0..=15.0, "Chosen: tyres on a dry road give about 1 g. At 6 error of the target's acceleration +9 %; at 15 no change.";
-        /// Mean time that a lead stays in the quiet model.
-        quiet_sojourn_s: f64 = 5.0, "s", 1.0..=60.0, "Chosen. At 2.5 and 10 nothing changes.";
-        /// Mean time that a lead stays in the moderate model.
-        moderate_sojourn_s: f64 = 1.0, "s", 0.2..=10.0, "Chosen. At 0.5 and 2 nothing changes.";
-        /// Mean time that a lead stays in the hard model.
-        hard_sojourn_s: f64 = 1.0, "s", 0.2..=10.0, "Chosen. At 0.5 and 2 nothing changes.";
 
         // Motion across the lanes.
 

@@ -7,6 +7,8 @@ use super::numbers::Numbers;
 /// The detections of one vehicle in one scan, gathered.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sighting {
+    /// The vehicle, if the radar knows it.
+    pub(super) vehicle: Option<usize>,
     count: u32,
     pub(super) farthest_m: f64,
     pub(super) nearest: usize,
@@ -31,6 +33,7 @@ impl Sighting {
     ) -> Option<Self> {
         let nearest = points.clone().min_by(|a, b| a.x_m.total_cmp(&b.x_m))?;
         let mut sighting = Self {
+            vehicle: nearest.vehicle,
             nearest: nearest.detection,
             right_m: f64::INFINITY,
             left_m: f64::NEG_INFINITY,
@@ -49,8 +52,8 @@ impl Sighting {
                 let weight = 1.0 / point.range_variance;
                 sighting.range_weight += weight;
                 sighting.range_moment += weight * point.x_m;
-                sighting.right_m = sighting.right_m.min(point.y_m);
-                sighting.left_m = sighting.left_m.max(point.y_m);
+                sighting.right_m = sighting.right_m.min(point.y_m - point.half_width_m);
+                sighting.left_m = sighting.left_m.max(point.y_m + point.half_width_m);
                 sighting.lateral_variance += point.lateral_variance;
                 sighting.rear_count += 1;
             }

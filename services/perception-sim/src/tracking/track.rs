@@ -19,6 +19,8 @@ const REMEMBERED: u32 = 32;
 pub struct DetectedTrack {
     /// Identity; 0 until it is confirmed.
     pub id: u32,
+    /// Its vehicle, if the radar knows it.
+    pub vehicle: Option<usize>,
     /// Motion along the road.
     pub along: Filter,
     /// Motion across the lanes.
@@ -100,6 +102,7 @@ impl DetectedTrack {
         let lateral = sighting.lateral(numbers.first_width_m, numbers);
         Self {
             id: 0,
+            vehicle: sighting.vehicle,
             along: model.start(range, rate),
             across: lateral::Filter::start(lateral, numbers),
             abreast: Abreast::default(),
@@ -130,7 +133,6 @@ impl DetectedTrack {
     pub fn see(
         &mut self,
         model: &Model,
-        step: &Step,
         sighting: &Sighting,
         view: &FieldOfView,
         course: &Course,
@@ -152,13 +154,12 @@ impl DetectedTrack {
         let depth_m = numbers.rear_depth_m + numbers.surely_sigma * sigma_m;
         if ahead_m > depth_m && ahead_m < self.length_m + 1.0 {
             // The side is seen, not the rear: it measures the speed alone.
-            self.along.see_range_rate(model, step, range_rate);
+            self.along.see_range_rate(model, range_rate);
             let side = self.aspect_m(course).signum();
             self.across.update(sighting.lateral_by_side(self.width_m, side, numbers), numbers);
             self.misfits += u32::from(rear_in_view);
         } else {
-            let believed = self.along.update(model, step, range, range_rate);
-            let fits = believed.range && believed.range_rate;
+            let fits = self.along.update(model, range, range_rate);
             self.misfits = if fits { 0 } else { self.misfits + 1 };
             let cell_m = range.value * view.resolution_rad;
             self.abreast.observe(seen, self.across.position(), cell_m, numbers);
@@ -273,11 +274,12 @@ impl DetectedTrack {
 
     /// The outline for association.
     #[must_use]
-    pub fn outline(&self, place: usize, model: &Model, course: &Course) -> Outline {
+    pub fn outline(&self, place: usize, course: &Course) -> Outline {
         let estimate = self.along.estimate();
         let (lateral, speed) = (self.across.position_sigma_m(), self.across.speed_sigma_mps());
         Outline {
             place,
+            vehicle: self.vehicle,
             confirmed: self.id != 0,
             rear_m: estimate.gap_m,
             lateral_m: self.across.position_m(),
@@ -289,7 +291,7 @@ impl DetectedTrack {
             variances: [
                 estimate.covariance[0][0],
                 lateral * lateral,
-                self.along.range_rate_variance(model, 0.0, self.unseen_s),
+                self.along.range_rate_variance(),
                 speed * speed,
             ],
         }

@@ -17,7 +17,8 @@ pub(super) fn unite(
     while newer < tracks.len() {
         // One that is lost is not what is found: its place is a guess.
         let same = (0..newer).find(|&older| {
-            tracks[older].unseen_s <= life.coast_s
+            tracks[older].vehicle.is_none()
+                && tracks[older].unseen_s <= life.coast_s
                 && same(&tracks[older], &tracks[newer], course, life, numbers)
         });
         match same {
@@ -71,7 +72,7 @@ fn same(
 #[cfg(test)]
 mod tests {
     use super::super::association::tests::point;
-    use super::super::longitudinal::{Kind, Maneuver, Model};
+    use super::super::longitudinal::{Maneuver, Model};
     use super::super::sighting::Sighting;
     use super::*;
 
@@ -80,7 +81,7 @@ mod tests {
 
     fn track(gap_m: f64, lateral_m: f64, relative_mps: f64) -> DetectedTrack {
         let quiet = Maneuver { sigma_mps2: 1.0, tau_s: 2.0 };
-        let model = Model::new(Kind::Interacting, quiet, 4.0, &NUMBERS);
+        let model = Model::new(quiet, 4.0, &NUMBERS);
         let points = [point(gap_m, lateral_m, relative_mps)];
         let sighting = Sighting::of(points.iter(), 0.0, &NUMBERS).expect("a point");
         DetectedTrack::begin(&model, &sighting, true)

@@ -119,11 +119,9 @@ tables! {
         pub guard_rail_loss_db: Loss = 18.0,
     }
 
-    /// The filter behind each track, and the life of a track.
+    /// The model of a quiet lead behind each track, and the life of a track.
     #[derive(Copy)]
     pub struct Tracker {
-        /// Filter of gap, relative speed and lead acceleration.
-        pub filter: TrackingFilter = default,
         /// Standard deviation of the acceleration of a lead that does not manoeuvre hard, m/s².
         pub lead_acceleration_sigma_mps2: Sigma = 0.5,
         /// Correlation time of that acceleration, s.
@@ -136,15 +134,6 @@ tables! {
         pub confirm_hits: Count = 3,
         /// Scans in a row among which they are counted (model `detections`).
         pub confirm_scans: Count = 4,
-    }
-
-    /// A filter of gap, relative speed and lead acceleration.
-    pub enum TrackingFilter {
-        /// One Kalman filter with Singer's model of the lead's acceleration.
-        Singer,
-        /// Three of them side by side, for a quiet, a moderate and a hard manoeuvre.
-        #[default]
-        InteractingModels,
     }
 
     /// The target is the nearest vehicle in the ego's path. Entering and leaving the path have different limits, so

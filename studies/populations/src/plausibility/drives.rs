@@ -198,7 +198,6 @@ fn whole(draws: &mut Draws, low: f64, high: f64) -> i64 {
 fn truck(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(15.0, 25.0);
     let model = draws.one(&["object-list", "detections"]);
-    let filter = draws.one(&["singer", "interacting-models"]);
     let mut scene = Scene::new(fixed(speed_mps, 2), fixed(speed_mps + 1.0, 2), 100.0);
     scene.law = "predictive".to_owned();
     scene.plant = table! {
@@ -214,7 +213,6 @@ fn truck(draws: &mut Draws) -> Scene {
     let perception = table! {
         period_ms: 100,
         radar: table! { model: model, max_range_m: 200 },
-        tracker: table! { filter: filter },
     };
     let aebs = table! { dead_time_ms: 300, jerk_mps3: 10, deceleration_mps2: 5.5, margin_m: 3 };
     scene.keys = vec![

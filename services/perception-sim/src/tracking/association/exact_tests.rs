@@ -83,6 +83,7 @@ fn a_point_on_a_curve_moves_as_it_would_on_the_straight_road() {
 fn an_outline_covers_what_is_close_to_it_in_three_deviations() {
     let outline = Outline {
         place: 0,
+        vehicle: None,
         confirmed: true,
         rear_m: 40.0,
         lateral_m: 1.0,
@@ -107,6 +108,7 @@ fn points_farther_apart_than_a_vehicle_is_wide_are_parted() {
     let outline_at = |lateral_m: f64| Outline {
         lateral_m,
         place: 3,
+        vehicle: None,
         confirmed: true,
         rear_m: 40.0,
         aspect_m: 0.0,

@@ -12,7 +12,9 @@ pub(in super::super) fn point(x_m: f64, y_m: f64, range_rate_mps: f64) -> Point 
         range_rate_variance: 0.01,
         lateral_variance: 0.04,
         ground_speed_mps: 20.0 + range_rate_mps,
+        half_width_m: 0.0,
         detection: 0,
+        vehicle: None,
         owner: None,
     }
 }
@@ -20,6 +22,7 @@ pub(in super::super) fn point(x_m: f64, y_m: f64, range_rate_mps: f64) -> Point 
 fn outline(place: usize, rear_m: f64, lateral_m: f64) -> Outline {
     Outline {
         place,
+        vehicle: None,
         confirmed: true,
         rear_m,
         lateral_m,

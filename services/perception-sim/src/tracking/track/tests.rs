@@ -2,7 +2,7 @@
 
 use super::super::association::Point;
 use super::super::association::tests::point;
-use super::super::longitudinal::{Kind, Maneuver};
+use super::super::longitudinal::Maneuver;
 use super::*;
 
 const NUMBERS: Numbers = Numbers::DEFAULT;
@@ -11,7 +11,7 @@ const LIFE: Life = Life { hits: 3, scans: 4, coast_s: 0.5 };
 const VIEW: FieldOfView = FieldOfView { half_rad: 0.5, resolution_rad: 0.01, edge_rad: 0.05 };
 
 fn model() -> Model {
-    Model::new(Kind::Singer, Maneuver { sigma_mps2: 1.0, tau_s: 2.0 }, 4.0, &NUMBERS)
+    Model::new(Maneuver { sigma_mps2: 1.0, tau_s: 2.0 }, 4.0, &NUMBERS)
 }
 
 fn sighting(points: &[Point]) -> Sighting {
@@ -167,7 +167,7 @@ fn a_braking_lead_that_is_lost_brakes_on_and_an_accelerating_one_does_not() {
         let step = model.step(0.05, 0.0);
         track.predict(&model, &step);
         let seen = sighting(&[point(40.0, 0.0, rate_mps)]);
-        track.see(&model, &step, &seen, &VIEW, &Course::STRAIGHT);
+        track.see(&model, &seen, &VIEW, &Course::STRAIGHT);
         let found_mps2 = track.along.estimate().acceleration_mps2;
         track.history <<= 1;
         (found_mps2, lost_of(&mut track, 1.0).expect("it is lost").acceleration_mps2)

@@ -1,8 +1,11 @@
-//! The tracker that works on detections alone, and on the ego's own motion.
+//! The tracker: it works on detections, and on the ego's own motion.
 //!
 //! Each scan moves all tracks on and gives every detection to a track ([`super::association`]). Each track takes in
 //! its detections ([`super::track`]), and the rest begins tracks ([`super::birth`]). Then tracks of one vehicle are
 //! united, mirror images end ([`super::mirror`]), and tracks are confirmed or end. A step allocates nothing.
+//!
+//! A radar that gives an object list knows the vehicle of each detection, and measures the middle of its rear. Such a
+//! detection belongs to the track of its vehicle, and begins one that needs no confirmation.
 //!
 //! On a road with a plan all this happens on the course ([`super::road_ahead`]). The scan's standing echoes and the
 //! trails of the tracks correct the course first. A track keeps its place in the plane then. It is shifted by the
@@ -11,8 +14,8 @@
 use std::array::from_fn;
 use std::ops::Range;
 
-use messages::Detection;
 use scenario::Scenario;
+use scenario::perception::RadarModel;
 
 use super::association::{Outline, Point, Reading, associate, part, spans};
 use super::birth;
@@ -29,6 +32,7 @@ use super::sighting::Sighting;
 use super::sources::{MapAhead, Sources};
 use super::track::{DetectedTrack, FieldOfView, Life};
 use super::unite::unite;
+use crate::radar::Scan;
 use crate::radar::receiver::Receiver;
 use crate::radar::scene::Ego;
 use scenario::event::VEHICLE_WIDTH_M;
@@ -38,7 +42,7 @@ const MAX_KEPT: usize = 32;
 
 /// The tracker.
 #[derive(Clone, Debug)]
-pub struct DetectionTracker {
+pub struct Tracker {
     model: Model,
     limits: PathLimits,
     life: Life,
@@ -58,21 +62,25 @@ pub struct DetectionTracker {
     next_id: u32,
 }
 
-impl DetectionTracker {
-    /// The tracker of a scenario, with the receiver's accuracy and the numbers, which studies vary.
+impl Tracker {
+    /// The tracker of a scenario, with the accuracy of its radar and the numbers, which studies vary.
     #[must_use]
     pub fn new(scenario: &Scenario, receiver: &Receiver, numbers: &Numbers) -> Self {
         let perception = &scenario.perception;
         let keys = &perception.tracker;
         let radar = &perception.radar.detections;
+        let (hits, scans, posts_per_km) = match perception.model() {
+            RadarModel::ObjectList => (1, 1, 0.0),
+            RadarModel::Ideal | RadarModel::Detections => (
+                keys.confirm_hits.value().into(),
+                keys.confirm_scans.value().into(),
+                radar.standing_objects_per_km.value(),
+            ),
+        };
         Self {
             model: Model::of(scenario, numbers),
             limits: PathLimits::new(&perception.target_selection, false, numbers),
-            life: Life {
-                hits: keys.confirm_hits.value().into(),
-                scans: keys.confirm_scans.value().into(),
-                coast_s: keys.coast_s.value(),
-            },
+            life: Life { hits, scans, coast_s: keys.coast_s.value() },
             gate: keys.gate_sigma.value(),
             radar: Radar::new(&perception.radar, receiver),
             view: FieldOfView {
@@ -86,11 +94,7 @@ impl DetectionTracker {
             outlines: Vec::with_capacity(MAX_KEPT),
             spans: from_fn(|_| 0..0),
             ahead: RoadAhead::new(Sources::default()),
-            sight: Sight::new(
-                radar.threshold_db.value(),
-                radar.standing_objects_per_km.value(),
-                numbers,
-            ),
+            sight: Sight::new(radar.threshold_db.value(), posts_per_km, numbers),
             last_ns: None,
             next_id: 1,
         }
@@ -109,8 +113,9 @@ impl DetectionTracker {
         ego: &Ego,
         yaw_rate_radps: Option<f64>,
         map: Option<&MapAhead>,
-        detections: &[Detection],
+        scan: Scan,
     ) -> TrackList {
+        let detections = scan.detections;
         let dt_s = self.last_ns.map_or(0.0, |last| (time_ns - last) as f64 * 1e-9);
         self.last_ns = Some(time_ns);
         self.predict(dt_s, ego.acceleration_mps2);
@@ -123,7 +128,7 @@ impl DetectionTracker {
             let before = self.ahead.find(dt_s, &motion, map, read, known);
             self.tracks.iter_mut().for_each(|track| track.shift(&before, self.ahead.course()));
         }
-        self.read(detections, ego);
+        self.read(scan, ego);
         self.sight.take_scan(
             dt_s,
             ego.speed_mps,
@@ -132,7 +137,7 @@ impl DetectionTracker {
             (&self.view, self.ahead.course()),
         );
         self.associate();
-        self.update(dt_s, ego.acceleration_mps2);
+        self.update();
         self.watch();
         self.begin();
         let life = self.life.with_sight(self.sight.share());
@@ -141,7 +146,7 @@ impl DetectionTracker {
         self.lose(dt_s, ego);
         self.confirm(&life, dt_s, ego.speed_mps);
         self.leave_trails();
-        self.list(time_ns, ego, detections)
+        self.list(time_ns, ego, scan)
     }
 
     /// Confirmed tracks of vehicles leave trails.
@@ -166,11 +171,14 @@ impl DetectionTracker {
         }
     }
 
-    fn read(&mut self, detections: &[Detection], ego: &Ego) {
+    fn read(&mut self, scan: Scan, ego: &Ego) {
         let (course, motion) = (self.ahead.course(), self.ahead.motion(ego.speed_mps, None));
         self.points.clear();
-        for (index, read) in detections.iter().zip(&self.readings).enumerate() {
-            self.points.push(Point::new(index, read, &motion, &self.radar.receiver, course));
+        for (index, read) in scan.detections.iter().zip(&self.readings).enumerate() {
+            let point = Point::new(index, read, &motion, &self.radar.receiver, course);
+            let vehicle = scan.vehicles.get(index).copied();
+            let half_width_m = vehicle.map_or(0.0, |_| 0.5 * self.model.numbers().first_width_m);
+            self.points.push(Point { vehicle, half_width_m, ..point });
         }
     }
 
@@ -180,7 +188,7 @@ impl DetectionTracker {
             .tracks
             .iter()
             .enumerate()
-            .map(|(place, track)| track.outline(place, &self.model, self.ahead.course()));
+            .map(|(place, track)| track.outline(place, self.ahead.course()));
         self.outlines.extend(outlines);
         let numbers = self.model.numbers();
         associate(&mut self.points, &self.outlines, self.gate, numbers);
@@ -190,8 +198,7 @@ impl DetectionTracker {
         }
     }
 
-    fn update(&mut self, dt_s: f64, ego_acceleration_mps2: f64) {
-        let step = self.model.step(dt_s, ego_acceleration_mps2);
+    fn update(&mut self) {
         let numbers = self.model.numbers();
         let mut seen = [None; MAX_KEPT];
         for (place, track) in self.tracks.iter_mut().enumerate() {
@@ -200,8 +207,7 @@ impl DetectionTracker {
             let Some(sighting) = Sighting::of(own, track.across.speed_mps(), numbers) else {
                 continue;
             };
-            seen[place] =
-                Some(track.see(&self.model, &step, &sighting, &self.view, self.ahead.course()));
+            seen[place] = Some(track.see(&self.model, &sighting, &self.view, self.ahead.course()));
         }
         self.share(&seen);
     }
@@ -299,6 +305,7 @@ impl DetectionTracker {
             let track = &self.tracks[place];
             let mut others = self.tracks.iter();
             if track.id == 0
+                && track.vehicle.is_none()
                 && others.any(|other| mirror::is_image(track, other, self.model.numbers()))
             {
                 self.tracks.remove(place);
@@ -373,10 +380,10 @@ impl DetectionTracker {
         track.abreast.nearest_of_several_m((right, left), self.model.numbers())
     }
 
-    fn list(&self, time_ns: i64, ego: &Ego, detections: &[Detection]) -> TrackList {
+    fn list(&self, time_ns: i64, ego: &Ego, scan: Scan) -> TrackList {
         let mut list = TrackList::new(time_ns);
         for track in self.tracks.iter().filter(|track| track.id != 0) {
-            list.add(entry(track, ego, self.ahead.course(), detections, self.model.numbers()));
+            list.add(entry(track, ego, self.ahead.course(), scan.detections, self.model.numbers()));
         }
         list.finish();
         list

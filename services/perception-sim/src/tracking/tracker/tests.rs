@@ -2,8 +2,11 @@
 
 use super::*;
 use crate::radar::detections::DetectionRadar;
+use crate::radar::object_list::ObjectListRadar;
+use messages::Detection;
 
 mod merged;
+mod objects;
 mod sight;
 
 const PERIOD_NS: i64 = 50_000_000;
@@ -11,7 +14,7 @@ const EGO_MPS: f64 = 10.0;
 
 /// A tracker and the time of its next scan.
 struct Watch {
-    tracker: DetectionTracker,
+    tracker: Tracker,
     time_ns: i64,
 }
 
@@ -20,13 +23,13 @@ impl Watch {
         let text = "schema_version = 1\nname = \"by-hand\"\nduration_s = 10\n";
         let scenario = Scenario::parse("by-hand", text).unwrap_or_else(|error| panic!("{error}"));
         let receiver = *DetectionRadar::new(&scenario).receiver();
-        Self { tracker: DetectionTracker::new(&scenario, &receiver, &Numbers::DEFAULT), time_ns: 0 }
+        Self { tracker: Tracker::new(&scenario, &receiver, &Numbers::DEFAULT), time_ns: 0 }
     }
 
     fn scan(&mut self, detections: &[Detection]) -> TrackList {
         let ego = Ego { speed_mps: EGO_MPS, ..Ego::default() };
         self.time_ns += PERIOD_NS;
-        self.tracker.step(self.time_ns, &ego, None, None, detections)
+        self.tracker.step(self.time_ns, &ego, None, None, Scan::of_echoes(detections))
     }
 
     /// A lead at 21.6 m for 3 s.

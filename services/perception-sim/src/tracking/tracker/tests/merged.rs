@@ -5,12 +5,12 @@ use crate::tracking::abreast::Abreast;
 use crate::tracking::association::tests::point;
 
 /// A track that one echo begins.
-fn track(tracker: &DetectionTracker, id: u32, gap_m: f64, lateral_m: f64) -> DetectedTrack {
+fn track(tracker: &Tracker, id: u32, gap_m: f64, lateral_m: f64) -> DetectedTrack {
     moving(tracker, id, (gap_m, lateral_m), 0.0)
 }
 
 fn moving(
-    tracker: &DetectionTracker,
+    tracker: &Tracker,
     id: u32,
     (gap_m, lateral_m): (f64, f64),
     relative_mps: f64,
@@ -23,7 +23,7 @@ fn moving(
 }
 
 /// A track in the middle whose echoes wander between 3.4 m on the right and 3.5 m on the left.
-fn wandering(tracker: &DetectionTracker) -> DetectedTrack {
+fn wandering(tracker: &Tracker) -> DetectedTrack {
     let mut abreast = Abreast::default();
     for scan in 0..24 {
         let at = |value: f64| Measured::new(value, 0.3);
