@@ -38,6 +38,8 @@ pub struct Object {
     pub is_confirmed: bool,
     /// It was seen lately.
     pub is_seen: bool,
+    /// The side on which its face is behind a nearer object, 1 left, -1 right, or 0: neither.
+    pub(crate) hidden_side: f64,
     /// Bits of the last scans in which it was seen, the newest in the lowest bit.
     pub(crate) history: u32,
     /// Time since it was last seen, s.
@@ -71,6 +73,7 @@ impl Object {
             length_m: LEAST_LENGTH_M,
             is_confirmed: false,
             is_seen: true,
+            hidden_side: 0.0,
             history: 0,
             unseen_s: 0.0,
             bow_m: 0.0,
@@ -141,6 +144,26 @@ impl Object {
     fn is_in_view(&self, x_m: f64, view_tangent: f64) -> bool {
         let (surely_m, off_m) = (x_m - BLIND_MARGIN_M, (self.sight_m().abs() - SIDE_M).max(0.0));
         surely_m > 0.0 && off_m < surely_m * view_tangent
+    }
+
+    /// The side on which `nearer` hides a corner of its face, 1 left, -1 right, or 0: neither, or both.
+    pub(crate) fn side_hidden_by(&self, nearer: &Self) -> f64 {
+        if nearer.distance_m + BLIND_MARGIN_M >= self.distance_m {
+            return 0.0;
+        }
+        let is_hidden = |side: f64| nearer.hides(self.distance_m, self.sight_m() + side * SIDE_M);
+        f64::from(is_hidden(1.0)) - f64::from(is_hidden(-1.0))
+    }
+
+    /// True if the straight line to a place passes through it.
+    fn hides(&self, x_m: f64, y_m: f64) -> bool {
+        let (begin_m, end_m) = (self.distance_m.max(0.0), self.distance_m + self.length_m);
+        if x_m <= 0.0 || end_m <= 0.0 {
+            return false;
+        }
+        let off_m = |along_m: f64| y_m / x_m * along_m - self.sight_m();
+        let (begins_m, ends_m) = (off_m(begin_m), off_m(end_m.min(x_m)));
+        begins_m.max(ends_m) > -HALF_WIDTH_M && begins_m.min(ends_m) < HALF_WIDTH_M
     }
 
     /// Offset from the axis of the ego's body, m to the left. Lines of sight are straight beside it.

@@ -16,7 +16,8 @@
 //! The face's echoes merge and fluctuate, so that their middle wanders by 0.3 m. The points of a side differ in range
 //! and are as exact as the radar's azimuth. So a vehicle beside the path is located by the side that it shows.
 //!
-//! The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
+//! If a nearer object hides one corner of its face, its middle is up to half a width farther to that side than what is
+//! seen. The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
 //!
 //! An object counts once it was seen in three of four scans. A standing one counts after four of five. It is a threat
 //! only up to the neighbouring lanes.
@@ -133,6 +134,12 @@ impl Objects {
         if period_s > 1.0 {
             // Nothing is left of what was known.
             self.list.clear();
+        }
+        for index in 0..self.list.len() {
+            let object = &self.list[index];
+            let nearer = self.list.iter().filter(|nearer| !nearer.is_beside_the_road());
+            let sides = nearer.map(|nearer| object.side_hidden_by(nearer));
+            self.list[index].hidden_side = sides.sum::<f64>().clamp(-1.0, 1.0);
         }
         for object in &mut self.list {
             object.move_along(period_s, ego_mps);

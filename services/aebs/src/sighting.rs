@@ -142,7 +142,10 @@ fn middle_of_face(object: &Object, points: &[Point]) -> Option<(f64, f64)> {
         (moment_m / amplitude, FACE_SIGMA_M)
     };
     let by_range_m = FACE_SIGMA_RAD * object.distance_m;
-    (amplitude > 0.0).then_some((middle_m, sigma_m * sigma_m + by_range_m * by_range_m))
+    // The middle is between what is seen and half a width beyond on the hidden side, all alike.
+    let hidden_m = SIDE_M * object.hidden_side;
+    let variance_m2 = sigma_m * sigma_m + by_range_m * by_range_m + hidden_m * hidden_m / 12.0;
+    (amplitude > 0.0).then_some((middle_m + 0.5 * hidden_m, variance_m2))
 }
 
 /// Lateral speed from the range rates' dependence on the direction, m/s, with its variance.

@@ -112,6 +112,41 @@ fn a_corridor_bows_by_half_of_its_curvature_and_the_square_of_the_distance() {
 }
 
 #[test]
+fn a_line_of_sight_is_hidden_by_a_body_that_it_passes_through() {
+    // A body from 10 to 14.3 m, from -0.95 to 0.95 m.
+    let nearer = stands(10.0, 0.0);
+    let hides = |x_m: f64, slope: f64| nearer.hides(x_m, x_m * slope);
+    assert!(hides(30.0, 0.094) && !hides(30.0, 0.096), "past its rear corner");
+    assert!(hides(30.0, -0.094) && !hides(30.0, -0.096));
+    // A place half way along it.
+    assert!(hides(12.0, 0.0) && !hides(0.0, 0.0) && !hides(-5.0, 0.0));
+    // A body beside the line is met where its nearer side ends.
+    let beside = stands(10.0, 2.0);
+    assert!(beside.hides(30.0, 30.0 * 0.0735) && !beside.hides(30.0, 30.0 * 0.0733));
+    assert!(beside.hides(30.0, 30.0 * 0.294) && !beside.hides(30.0, 30.0 * 0.296));
+    // One beside the ego, from the bumper to 2.3 m. At its end the line is to be 1.05 m to the side.
+    assert!(stands(-2.0, 2.0).hides(30.0, 13.8) && !stands(-2.0, 2.0).hides(30.0, 13.6));
+    assert!(!stands(-4.4, 0.0).hides(30.0, 0.0), "it is passed");
+}
+
+/// The side of a car 30 m ahead that another one hides.
+fn hidden_side(off_m: f64, nearer: Object) -> f64 {
+    stands(30.0, off_m).side_hidden_by(&nearer)
+}
+
+#[test]
+fn a_nearer_object_hides_one_corner_both_or_none() {
+    // The line to the left corner, 0.9 m at 30 m, is 0.3 m to the left at 10 m.
+    assert_eq!(hidden_side(0.0, stands(10.0, 1.2)), 1.0);
+    assert_eq!(hidden_side(0.0, stands(10.0, -1.2)), -1.0);
+    assert_eq!(hidden_side(0.0, stands(10.0, 1.4)), 0.0, "beside all lines");
+    assert_eq!(hidden_side(0.0, stands(10.0, 0.0)), 0.0, "all of it");
+    // Not nearer by half a metre, or passed.
+    assert_eq!(hidden_side(0.0, stands(29.6, 1.2)), 0.0);
+    assert_eq!(hidden_side(0.0, stands(-8.4, 1.2)), 0.0);
+}
+
+#[test]
 fn an_object_begins_unconfirmed_with_a_cars_size() {
     let begun = Object::begin(40.0, 1.0, 12.0);
     assert_eq!((begun.distance_m, begun.speed_mps, begun.length_m), (40.0, 12.0, 4.3));

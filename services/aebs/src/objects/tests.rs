@@ -170,8 +170,8 @@ fn an_object_half_hidden_by_a_leaving_lead_is_in_the_path() {
         objects.take_scan(&Way::default(), 1.0, i64::from(k) * PERIOD_NS, 20.0, &list);
     }
     let object = objects.confirmed().find(|object| object.stands()).expect("it is seen");
-    // Only its right corner and its middle were: it is within a half width of what showed.
-    assert!(object.lateral.position_m.abs() < 0.95, "{object:?}");
+    // Only its right corner and its middle were.
+    assert!(object.lateral.position_m.abs() < 0.4, "{object:?}");
 }
 
 #[test]
@@ -327,8 +327,9 @@ mod in_curves {
     #[test]
     fn a_queue_beside_a_curve_ahead_is_beside_the_corridor_and_one_in_the_lane_is_in_it() {
         assert!(in_lane_before_a_curve(-3.5).is_empty());
+        // A corner that the car before hides shifts the middle by up to half of what is hidden.
         let in_lane = in_lane_before_a_curve(0.0);
-        assert!(in_lane.len() == 8 && in_lane.iter().all(|off_m| off_m.abs() < 0.1), "{in_lane:?}");
+        assert!(in_lane.len() == 8 && in_lane.iter().all(|off_m| off_m.abs() < 0.5), "{in_lane:?}");
     }
 
     #[test]
