@@ -1,14 +1,15 @@
 //! SUMO's world around the ego, step by step.
 //!
 //! ```text
-//! time of the run   0 ────── 100 ms ────── 200 ms
-//! ego               placed   placed        placed      where it is at the step
-//! SUMO              step     step          step        one message there, one back
-//! bodies            ├ extrapolated ┤
+//! time of the run   0 ─────────── 100 ms ────────── 200 ms
+//! ego               placed for 100 placed for 200    placed for 300   where it will be
+//! SUMO              ├ drives ┤     ├ drives ┤        ├ drives ┤       one message there, one back
+//! bodies            of 0          of 100            of 200           extrapolated in between
 //! ```
 //!
-//! In simulated time a step waits for its answer. In realtime the answer is taken when it has come, so that no cycle waits
-//! for SUMO: the vehicles go on from the last one meanwhile.
+//! SUMO computes a step beside the run, from the ego's place ahead at constant acceleration. A change of its acceleration
+//! by 2 m/s² moves it by a centimetre in a step. In simulated time the run waits for a step at the step's time. In
+//! realtime no cycle waits: the vehicles go on from the last answer until the next one has come.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -62,6 +63,7 @@ pub struct Ego {
     /// Place of the front bumper on the axis, m.
     pub place_m: f64,
     pub speed_mps: f64,
+    pub acceleration_mps2: f64,
 }
 
 /// A vehicle beside the ego, by the axis of the route.
@@ -85,15 +87,21 @@ pub struct Body {
     pub width_m: f64,
 }
 
+/// Way in a time at constant acceleration, m, and the time in motion, s: braking ends at standstill.
+fn way(speed_mps: f64, acceleration_mps2: f64, time_s: f64) -> (f64, f64) {
+    let brakes = speed_mps * acceleration_mps2 < 0.0;
+    let moving_s = if brakes { time_s.min(-speed_mps / acceleration_mps2) } else { time_s };
+    (speed_mps * moving_s + 0.5 * acceleration_mps2 * moving_s * moving_s, moving_s)
+}
+
 impl Body {
-    /// The body after a time. Braking ends at standstill.
+    /// The body after a time.
     fn after(&self, time_s: f64) -> Self {
-        let (v, a) = (self.along_mps, self.acceleration_mps2);
-        let moving_s = if v * a < 0.0 { time_s.min(-v / a) } else { time_s };
+        let (way_m, moving_s) = way(self.along_mps, self.acceleration_mps2, time_s);
         Self {
-            middle_m: self.middle_m + v * moving_s + 0.5 * a * moving_s * moving_s,
+            middle_m: self.middle_m + way_m,
             aside_m: self.aside_m + self.across_mps * moving_s,
-            along_mps: v + a * moving_s,
+            along_mps: self.along_mps + self.acceleration_mps2 * moving_s,
             ..*self
         }
     }
@@ -109,9 +117,8 @@ pub struct World {
     marks: Vec<[f64; 2]>,
     ego: String,
     waits: bool,
-    /// A step was begun, and its answer not taken.
-    is_open: bool,
-    /// Time of the step of the newest answer, and of the next step, ns of the run.
+    /// Time of the step that was begun and not taken, of the newest answer, and of the next step, ns of the run.
+    open_ns: Option<u64>,
     known_ns: u64,
     next_ns: u64,
     /// Time by which SUMO's clock is ahead of the run's, s.
@@ -190,7 +197,7 @@ impl World {
             route: route.clone(),
             ego,
             waits: settings.waits,
-            is_open: false,
+            open_ns: None,
             known_ns: 0,
             next_ns: 0,
             // The step of run time 0 is the next one.
@@ -209,20 +216,19 @@ impl World {
     /// [`ProgramError`] if SUMO ends, does not answer in time, or refuses the ego's place.
     pub fn advance(&mut self, time_ns: u64, ego: &Ego) -> Result<(), ProgramError> {
         self.place_m = ego.place_m;
-        if self.is_open && self.client.has_answered()? {
-            self.take()?;
-        }
-        while self.next_ns <= time_ns && !self.is_open {
-            let back_m = ego.speed_mps * seconds(time_ns - self.next_ns);
-            let (x_m, y_m) = ego.pose.to_world(-back_m, 0.0);
-            let placed = Pose { x_m, y_m, ..ego.pose }.placed(&self.route.start);
+        self.take_due(time_ns)?;
+        while self.open_ns.is_none() && self.next_ns <= time_ns + STEP_NS {
+            let (from_s, to_s) = (seconds(time_ns), seconds(self.next_ns));
+            let (ahead_m, _) = way(ego.speed_mps, ego.acceleration_mps2, to_s - from_s);
+            // Beside the axis as now, farther along it.
+            let beside = ego.pose.seen_from(&self.axis.pose(ego.place_m));
+            let there = beside.placed(&self.axis.pose(ego.place_m + ahead_m));
+            let placed = there.placed(&self.route.start);
             let angle_deg = (90.0 - placed.heading_rad.to_degrees()).rem_euclid(360.0);
             self.client.begin_step(&self.ego, [placed.x_m, placed.y_m], angle_deg)?;
-            self.is_open = true;
+            self.open_ns = Some(self.next_ns);
             self.next_ns += STEP_NS;
-            if self.waits {
-                self.take()?;
-            }
+            self.take_due(time_ns)?;
         }
         self.age_s = seconds(time_ns.saturating_sub(self.known_ns));
         Ok(())
@@ -243,9 +249,13 @@ impl World {
         plan.now(state, light.link, known_s, self.ahead_s)
     }
 
-    /// Takes the answer of a step.
-    fn take(&mut self) -> Result<(), ProgramError> {
-        (self.is_open, self.known_ns) = (false, self.next_ns - STEP_NS);
+    /// Takes the answer of a step whose time has come.
+    fn take_due(&mut self, time_ns: u64) -> Result<(), ProgramError> {
+        let Some(open_ns) = self.open_ns.filter(|open_ns| *open_ns <= time_ns) else { return Ok(()) };
+        if !self.waits && !self.client.has_answered()? {
+            return Ok(());
+        }
+        (self.open_ns, self.known_ns) = (None, open_ns);
         let step = self.client.end_step()?;
         if let Some(words) = step.refusal
             && self.place_m < self.axis.length_m() - NEAR_END_M
@@ -314,9 +324,11 @@ impl World {
         let own = (self.place_m / SPACING_M).max(0.0) as usize;
         let from = own.saturating_sub(reach).min(self.marks.len() - 1);
         let to = (own + reach).min(self.marks.len() - 1);
-        let way_m =
-            |index: &usize| libm::hypot(x_m - self.marks[*index][0], y_m - self.marks[*index][1]);
-        let nearest = (from..=to).min_by(|a, b| way_m(a).total_cmp(&way_m(b)));
+        let square = |index: &usize| {
+            let [dx_m, dy_m] = [x_m - self.marks[*index][0], y_m - self.marks[*index][1]];
+            dx_m * dx_m + dy_m * dy_m
+        };
+        let nearest = (from..=to).min_by(|a, b| square(a).total_cmp(&square(b)));
         nearest.unwrap_or(from) as f64 * SPACING_M
     }
 }

@@ -69,8 +69,12 @@ impl SumoWorld {
         in_plane: &PlaneEgo,
         traffic: &mut Traffic,
     ) -> Result<(), RuntimeError> {
-        let (place_m, speed_mps) = (ego.position_m, ego.speed_mps);
-        let ego = sumo::Ego { pose: in_plane.pose, place_m, speed_mps };
+        let ego = sumo::Ego {
+            pose: in_plane.pose,
+            place_m: ego.position_m,
+            speed_mps: ego.speed_mps,
+            acceleration_mps2: ego.acceleration_mps2,
+        };
         self.world.advance(time_ns, &ego).map_err(failed)?;
         self.time_s = time_ns as f64 * 1e-9;
         traffic.place(self.world.bodies().map(|body| vehicle(&body)));
