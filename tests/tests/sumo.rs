@@ -86,6 +86,53 @@ fn the_same_seed_gives_the_same_bytes_in_one_process_and_in_a_group() {
     assert!(sumos(&corner.path().display().to_string()).is_empty(), "SUMO is gone");
 }
 
+/// The summaries of two egos that share one SUMO.
+fn drive_two(corner: &Corner, grid: &str, out: &str, more: &[&str]) -> [Value; 2] {
+    let usual = ["run", grid, "--ego", "through", "--egos", "2", "--mode", "lockstep"];
+    let rest = ["--duration", "15", "--set", "traffic.begin_s=30", "--out", out];
+    let mut command = with_sumo(corner, &[&usual[..], &rest, more].concat());
+    let output = command.output().expect("it starts");
+    assert!(output.status.success(), "{}", text(&output));
+    ["ego-1", "ego-2"].map(|ego| {
+        let file = corner.path().join(out).join(ego).join("summary.json");
+        serde_json::from_slice(&std::fs::read(file).expect("a summary each")).expect("JSON")
+    })
+}
+
+fn two_egos_share_one_sumo_and_repeat_their_bytes() {
+    let corner = Corner::new(PROGRAM);
+    let grid = own_grid(&corner);
+    let inside = ["--in-process", "--digests"];
+    let first = drive_two(&corner, &grid, "a", &inside);
+    assert_ne!(digests(&first[0]), digests(&first[1]));
+    let again = drive_two(&corner, &grid, "b", &inside);
+    let group = drive_two(&corner, &grid, "c", &["--no-record"]);
+    for (ego, number) in first.iter().zip(0..) {
+        assert_eq!(digests(ego), digests(&again[number]), "ego {number}");
+        assert_eq!(digests(ego), digests(&group[number]), "ego {number}, process groups");
+    }
+    assert!(sumos(&corner.path().display().to_string()).is_empty(), "SUMO is gone");
+    corner.expect_nothing_left(&[]);
+}
+
+fn a_killed_sumo_ends_both_egos() {
+    let corner = Corner::new(PROGRAM);
+    let grid = own_grid(&corner);
+    let words = corner.path().display().to_string();
+    let usual = ["run", &grid, "--ego", "through", "--egos", "2", "--duration", "3000"];
+    let rest = ["--set", "set_speed_mps=1", "--out", "k"];
+    let child = with_sumo(&corner, &[&usual[..], &rest].concat()).spawn().expect("it starts");
+    let drives = || corner.path().join("k/ego-2/live.json").exists();
+    assert!(wait_for(drives), "both drive");
+    for pid in sumos(&words) {
+        let _ = Command::new("kill").args(["-KILL", &pid.to_string()]).status();
+    }
+    let output = child.wait_with_output().expect("our child");
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+    assert!(wait_for(|| sumos(&words).is_empty()), "SUMO is gone");
+    corner.expect_nothing_left(&[]);
+}
+
 fn lights_come_as_frames_too() {
     let corner = Corner::new(PROGRAM);
     let frames = ["--in-process", "--out", "f", "--set", "v2x.radio=\"frames\""];
@@ -215,6 +262,8 @@ fn main() -> ExitCode {
             the_same_seed_gives_the_same_bytes_in_one_process_and_in_a_group,
         ),
         needing(pypi, "lights_come_as_frames", lights_come_as_frames_too),
+        needing(pypi, "two_egos_share_one_sumo", two_egos_share_one_sumo_and_repeat_their_bytes),
+        needing(pypi, "a_killed_sumo_ends_both_egos", a_killed_sumo_ends_both_egos),
         needing(
             pypi,
             "a_program_that_ends_or_hangs",

@@ -9,10 +9,12 @@ use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
 use report::results::ResultOptions;
 use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
-use runtime::{Mode, Sealing};
+use runtime::{Mode, RuntimeError, Sealing, die_with_this_thread, inherit_only};
 use scenario::Scenario;
-use std::process::ExitCode;
+use std::path::Path;
+use std::process::{Command, ExitCode};
 use std::time::Instant;
+use sumo::Shared;
 use supervise::report::Outcome;
 use supervise::{
     Ended, Error, GroupOptions, Keep, Moment, ScenarioOptions, UsageError, check_targets, drive,
@@ -42,8 +44,12 @@ pub struct RunArguments {
     /// Clock: `realtime`, or `lockstep` with simulated time and repeatable bytes
     #[arg(long, value_parser = supervise::mode(), default_value = "realtime")]
     pub mode: Mode,
+    /// Drive this number of egos on the way of --ego in one SUMO, one behind the other: a run of its own each
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16),
+        conflicts_with_all = ["watch", "junit", "markdown", "bridge"])]
+    pub egos: Option<u32>,
     /// Run all services in one process: lockstep only, same bytes, no recording
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["programs", "processes", "bridge"])]
     pub in_process: bool,
     /// Compute the digests of all messages also with --in-process; a group of processes always does in lockstep
     #[arg(long, requires = "in_process")]
@@ -85,8 +91,12 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     }
     check_targets(&scenario)?;
     let mode = arguments.mode;
-    if arguments.in_process {
-        refuse_what_needs_processes(arguments)?;
+    if arguments.in_process && mode == Mode::Realtime {
+        let why = "in realtime every service is a process";
+        return Err(UsageError::at("--in-process", why, "to add --mode lockstep").into());
+    }
+    if let Some(egos) = arguments.egos {
+        return run_egos(&scenario, arguments, egos);
     }
     let bridge = arguments.bridge.as_deref().map(crate::bridge::address).transpose()?;
     supervise::hold_signals()?;
@@ -168,18 +178,47 @@ fn driver(scenario: &Scenario, arguments: &RunArguments) -> String {
     }
 }
 
-/// Refuses options that exclude `--in-process`.
-fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), UsageError> {
-    let (why, expected) = if arguments.mode == Mode::Realtime {
-        ("in realtime every service is a process", "to add --mode lockstep")
-    } else if !arguments.group.programs.is_empty() {
-        ("your program is a process of its own", "to omit --service or --in-process")
-    } else if arguments.group.processes {
-        ("--processes asks for the opposite", "one of both")
-    } else if arguments.bridge.is_some() {
-        ("--bridge joins a group of processes", "one of both")
-    } else {
-        return Ok(());
+/// Options of which each ego has its own.
+const OF_EGOS: [&str; 4] = ["--egos", "--out", "--seed", "--ready-timeout"];
+/// Longest wait of an ego until the one before it has left room, s: it starts from rest.
+const ROOM_S: f64 = 10.0;
+
+/// Drives the egos, each by this command without `--egos`. The verdict is the worst of theirs.
+fn run_egos(scenario: &Scenario, arguments: &RunArguments, egos: u32) -> Result<ExitCode, Error> {
+    let Some(config) = &scenario.traffic.sumo else {
+        let why = "SUMO does not have the traffic";
+        return Err(UsageError::option("--egos", egos, why, "a scenario with traffic.sumo").into());
     };
-    Err(UsageError::at("--in-process", why, expected))
+    let program = std::env::current_exe().map_err(Error::path("find", Path::new("timegap")))?;
+    let seed = scenario.seed.value();
+    let run = |number: u32| {
+        let mut words = std::env::args().skip(1);
+        let mut run = Command::new(&program);
+        while let Some(word) = words.next() {
+            match OF_EGOS.contains(&word.split('=').next().unwrap_or_default()) {
+                true if !word.contains('=') => drop(words.next()),
+                true => {}
+                false => drop(run.arg(word)),
+            }
+        }
+        if let Some(out) = &arguments.results.output.out {
+            run.arg("--out").arg(out.join(format!("ego-{number}")));
+        }
+        let ready_s = arguments.group.ready_timeout + ROOM_S * f64::from(number - 1);
+        run.arg(format!("--seed={}", seed + u64::from(number) - 1));
+        run.arg(format!("--ready-timeout={ready_s}"));
+        die_with_this_thread(&mut run);
+        run
+    };
+    print::note("note: SUMO listens on all interfaces while several egos share it");
+    let sumo = Shared::start((config, seed), egos, |command| {
+        inherit_only(command, None);
+        die_with_this_thread(command);
+        Ok(())
+    });
+    let done = sumo.and_then(|sumo| sumo.drive((1..=egos).map(run)));
+    let done = done.map_err(|error| RuntimeError::Program(Box::new(error)))?;
+    done.iter().try_for_each(|output| print::out(&String::from_utf8_lossy(&output.stdout)))?;
+    let statuses = done.iter().map(|output| output.status.code().unwrap_or(1));
+    Ok(ExitCode::from(statuses.max().unwrap_or(0) as u8))
 }

@@ -4,9 +4,9 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use crate::ProgramError;
 use crate::process::Process;
 use crate::wire::{Answer, Body, MOST_BYTES, Value};
+use crate::{ProgramError, RADIUS_M};
 
 /// Least version of TraCI: that of SUMO 1.20.
 const VERSION: i32 = 21;
@@ -63,8 +63,14 @@ pub struct Step {
 /// The connection.
 #[derive(Debug)]
 pub struct Client {
-    process: Process,
+    /// SUMO, unless several clients share it.
+    process: Option<Process>,
     stream: TcpStream,
+    /// Id of the ego once it was added, and whether its surroundings come with each step.
+    ego: String,
+    is_surrounded: bool,
+    /// Messages that were sent and not answered.
+    owed: u32,
     deadline_s: f64,
     /// Commands that were sent: their names.
     sent: Vec<&'static str>,
@@ -77,9 +83,11 @@ type Done<T> = Result<T, ProgramError>;
 
 impl Client {
     /// Greets SUMO on a connection, and checks its version.
-    pub fn open((process, stream): (Process, TcpStream), deadline_s: f64) -> Done<Self> {
-        let (sent, out, begun) = (Vec::new(), Vec::new(), Instant::now());
-        let mut this = Self { process, stream, deadline_s, sent, out, begun };
+    pub fn open(process: Option<Process>, stream: TcpStream, deadline_s: f64) -> Done<Self> {
+        let (ego, sent, out) = (String::new(), Vec::new(), Vec::new());
+        let (is_surrounded, owed, begun) = (false, 0, Instant::now());
+        let mut this =
+            Self { process, stream, ego, is_surrounded, owed, deadline_s, sent, out, begun };
         let timeout = Some(Duration::from_secs_f64(deadline_s));
         let set = this.stream.set_nodelay(true);
         let set = set.and_then(|()| this.stream.set_read_timeout(timeout));
@@ -108,6 +116,7 @@ impl Client {
     fn send(&mut self, when: &str) -> Done<()> {
         let mut message = (self.out.len() as i32 + 4).to_be_bytes().to_vec();
         message.append(&mut self.out);
+        self.owed += 1;
         self.stream.write_all(&message).map_err(|error| self.failed(&error, when))
     }
 
@@ -118,6 +127,7 @@ impl Client {
         let length = length.and_then(|length| length.checked_sub(4)).filter(|n| *n <= MOST_BYTES);
         let mut body = vec![0; length.ok_or_else(|| ProgramError::nonsense("its length"))?];
         self.stream.read_exact(&mut body).map_err(|error| self.failed(&error, when))?;
+        self.owed -= 1;
         Ok(body)
     }
 
@@ -125,10 +135,17 @@ impl Client {
         match error.kind() {
             ErrorKind::WouldBlock | ErrorKind::TimedOut => {
                 // Nothing waits for the goodbye of a process that hangs.
-                self.process.kill();
+                self.process.iter_mut().for_each(Process::kill);
                 ProgramError::silent(when, self.deadline_s)
             }
-            _ => self.process.ended(when),
+            _ => self.ended(when),
+        }
+    }
+
+    fn ended(&mut self, when: &str) -> ProgramError {
+        match &mut self.process {
+            Some(process) => process.ended(when),
+            None => ProgramError(format!("ended {when}")),
         }
     }
 
@@ -171,6 +188,12 @@ impl Client {
         self.ask(domain, name, body, "at its start").map(|_| ())
     }
 
+    /// Takes a turn among the clients that share SUMO: commands are executed in the order of these numbers.
+    pub fn order(&mut self, number: u32) -> Done<()> {
+        let body = Body::default().whole(number as i32);
+        self.ask(0x03, "the order of the egos", body, "at its start").map(|_| ())
+    }
+
     /// SUMO's time, s.
     pub fn time_s(&mut self) -> Done<f64> {
         Ok(self.get(GET_SIMULATION, 0x66, "")?.number())
@@ -196,7 +219,7 @@ impl Client {
         Ok((present, self.get(GET_LIGHT, 0x2b, controller)?))
     }
 
-    /// Adds a vehicle on the route of these edges.
+    /// Adds the ego on the route of these edges.
     pub fn add(
         &mut self,
         id: &str,
@@ -204,6 +227,7 @@ impl Client {
         (lane, front_m, speed_mps): (usize, f64, f64),
         (length_m, width_m): (f64, f64),
     ) -> Done<()> {
+        id.clone_into(&mut self.ego);
         let list = Body::default().byte(0x0e).whole(edges.len() as i32);
         let list = edges.iter().fold(list, |list, edge| list.text(edge));
         self.set((SET_ROUTE, 0x80), id, list)?;
@@ -221,32 +245,30 @@ impl Client {
         self.set((SET_VEHICLE, 0xb6), id, Body::default().typed_whole(0))
     }
 
-    /// Subscribes to the vehicles within `radius_m` of one.
-    pub fn surround(&mut self, id: &str, radius_m: f64) -> Done<()> {
-        self.subscribe(0x84, |body| body.text(id).byte(GET_VEHICLE).number(radius_m), &VEHICLE)
+    /// Subscribes to the vehicles around the ego.
+    pub fn surround(&mut self) -> Done<()> {
+        let body = around(&self.ego, &VEHICLE);
+        self.ask(0x84, "a subscription", body, "at its start")?;
+        self.is_surrounded = true;
+        Ok(())
     }
 
     /// Subscribes to a controller of lights.
     pub fn watch(&mut self, controller: &str) -> Done<()> {
-        self.subscribe(0xd2, |body| body.text(controller), &LIGHT)
+        let body = subscription(|body| body.text(controller), &LIGHT);
+        self.ask(0xd2, "a subscription", body, "at its start").map(|_| ())
     }
 
-    /// Subscribes to variables for the whole run.
-    fn subscribe(&mut self, id: u8, to: impl Fn(Body) -> Body, variables: &[u8]) -> Done<()> {
-        let body = to(Body::default().number(-ALWAYS_S).number(ALWAYS_S));
-        let mut body = body.byte(variables.len() as u8);
-        body.0.extend(variables);
-        self.ask(id, "a subscription", body, "at its start").map(|_| ())
-    }
-
-    /// Places a vehicle and steps once, in one message.
-    pub fn begin_step(&mut self, id: &str, front_m: [f64; 2], angle_deg: f64) -> Done<()> {
-        let place = Body::default().byte(0xb4).text(id).byte(0x0f).whole(6);
+    /// Places the ego and steps once, without a wait in between. SUMO mixes up the answers of clients that share it if
+    /// one message has both.
+    pub fn begin_step(&mut self, front_m: [f64; 2], angle_deg: f64) -> Done<()> {
+        let place = Body::default().byte(0xb4).text(&self.ego).byte(0x0f).whole(6);
         let place = place.typed_text("").typed_whole(-1);
         let place = place.typed_number(front_m[0]).typed_number(front_m[1]);
         // On its route, at the nearest place.
         let place = place.typed_number(angle_deg).byte(0x08).byte(1);
         self.put(SET_VEHICLE, "placing the ego", &place);
+        self.send("during the run")?;
         self.put(0x02, "a step", &Body::default().number(0.0));
         self.begun = Instant::now();
         self.send("during the run")
@@ -255,25 +277,31 @@ impl Client {
     /// True if the answer of the step that was begun has come.
     pub fn has_answered(&mut self) -> Done<bool> {
         let when = "during the run";
-        let peeked = self.stream.set_nonblocking(true).and_then(|()| self.stream.peek(&mut [0; 4]));
+        // The answer to the placing comes before it: a status, with words if it is refused.
+        let mut begin = [0; 4096];
+        let peeked = self.stream.set_nonblocking(true).and_then(|()| self.stream.peek(&mut begin));
         let blocks = self.stream.set_nonblocking(false);
-        match peeked.and_then(|count| blocks.map(|()| count)) {
-            Ok(0) => Err(self.process.ended(when)),
-            Ok(_) => Ok(true),
-            Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                let is_late = self.begun.elapsed().as_secs_f64() > self.deadline_s;
-                if is_late { Err(self.failed(&error, when)) } else { Ok(false) }
+        let has_come = match peeked.and_then(|count| blocks.map(|()| count)) {
+            Ok(0) => return Err(self.ended(when)),
+            Ok(count) => {
+                let first = i32::from_be_bytes([begin[0], begin[1], begin[2], begin[3]]);
+                usize::try_from(first).is_ok_and(|first| count > first.max(4))
             }
-            Err(error) => Err(self.failed(&error, when)),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => false,
+            Err(error) => return Err(self.failed(&error, when)),
+        };
+        if !has_come && self.begun.elapsed().as_secs_f64() > self.deadline_s {
+            return Err(self.failed(&ErrorKind::TimedOut.into(), when));
         }
+        Ok(has_come)
     }
 
     /// The outcome of the step that was begun.
     pub fn end_step(&mut self) -> Done<Step> {
+        self.sent.clear();
+        let (_, refusal) = Answer(&self.receive("during the run")?).status()?;
         let bytes = self.receive("during the run")?;
         let mut answer = Answer(&bytes);
-        self.sent.clear();
-        let (_, refusal) = answer.status()?;
         if let (_, Some(words)) = answer.status()? {
             return Err(ProgramError::refused("a step", &words));
         }
@@ -315,6 +343,7 @@ impl Client {
                     }
                 }
                 match is_context {
+                    true if vehicle.id == self.ego => {}
                     true => step.vehicles.push(vehicle),
                     false => step.states.push(state),
                 }
@@ -324,16 +353,44 @@ impl Client {
     }
 }
 
+/// A subscription to variables for the whole run; without variables its end.
+fn subscription(to: impl Fn(Body) -> Body, variables: &[u8]) -> Body {
+    let body = to(Body::default().number(-ALWAYS_S).number(ALWAYS_S));
+    let mut body = body.byte(variables.len() as u8);
+    body.0.extend(variables);
+    body
+}
+
+/// A subscription to the vehicles around one.
+fn around(id: &str, variables: &[u8]) -> Body {
+    subscription(|body| body.text(id).byte(GET_VEHICLE).number(RADIUS_M), variables)
+}
+
 impl Drop for Client {
-    /// Says goodbye, and waits until the process is gone.
+    /// Says goodbye, and waits until the process is gone. Others that share SUMO go on without the ego.
     fn drop(&mut self) {
         self.out.clear();
-        self.put(0x7f, "the end", &Body::default());
         // A process that hangs does not read it, and is killed.
         let _ = self.stream.set_write_timeout(Some(Duration::from_millis(100)));
-        if self.send("at the end").is_ok() {
+        let mut leaves = || -> Done<()> {
+            let (when, is_shared) = ("at the end", self.process.is_none());
+            while is_shared && self.owed > 0 {
+                self.receive(when)?;
+            }
+            self.sent.clear();
+            if is_shared && self.is_surrounded {
+                // SUMO ends if a vehicle with a subscription is taken away.
+                self.ask(0x84, "the end of a subscription", around(&self.ego, &[]), when)?;
+                let gone = Body::default().byte(0x81).text(&self.ego).byte(0x08).byte(3);
+                self.ask(SET_VEHICLE, "the end of the ego", gone, when)?;
+            }
+            self.put(0x7f, "the end", &Body::default());
+            self.send(when)?;
+            if is_shared { self.receive(when).map(drop) } else { Ok(()) }
+        };
+        if leaves().is_ok() {
             let _ = self.stream.shutdown(std::net::Shutdown::Write);
-            let _ = self.process.end();
+            self.process.iter_mut().for_each(|process| drop(process.end()));
         }
     }
 }

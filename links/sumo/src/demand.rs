@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use openscenario::xml::Element;
 
 use crate::ReadError;
+use crate::line::Line;
 use crate::net::{Net, Source};
 
 /// Names that an error lists.
@@ -113,7 +114,7 @@ fn between(net: &Net, from: &str, to: &str) -> Option<Vec<String>> {
     let cost_ms = |edge: &str| {
         let lanes = net.edges.get(edge)?.iter().filter(|lane| lane.drivable);
         let fastest = lanes.max_by(|a, b| a.speed_mps.total_cmp(&b.speed_mps))?;
-        let way_m: f64 = fastest.shape.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+        let way_m = Line::of(&fastest.shape).length_m();
         Some((1e3 * way_m / fastest.speed_mps.max(0.1)) as u64 + 1)
     };
     let mut best: HashMap<&str, (u64, Option<&str>)> = HashMap::from([(from, (0, None))]);
@@ -144,9 +145,4 @@ fn between(net: &Net, from: &str, to: &str) -> Option<Vec<String>> {
     }
     way.reverse();
     (at == from && (from == to || !way.is_empty())).then_some(way)
-}
-
-/// Distance of two points, m.
-pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    libm::hypot(b[0] - a[0], b[1] - a[1])
 }

@@ -26,10 +26,12 @@ mod config;
 mod demand;
 mod error;
 mod lights;
+mod line;
 mod net;
 mod path;
 mod process;
 mod route;
+mod shared;
 mod smooth;
 mod wire;
 mod world;
@@ -39,6 +41,7 @@ pub use lights::{Colour, Interval};
 pub use path::Light;
 pub use process::Network;
 pub use route::{Limit, Route, read_route};
+pub use shared::{Seat, Shared};
 pub use world::{Body, Ego, Settings, World};
 
 /// Time between two steps of SUMO, ms.

@@ -2,7 +2,10 @@
 
 use std::collections::HashMap;
 use std::fmt::Display;
+use std::fs::File;
+use std::io::Read;
 
+use flate2::read::MultiGzDecoder;
 use openscenario::xml::{self, Element};
 
 use crate::ReadError;
@@ -17,22 +20,23 @@ pub struct Source {
 }
 
 impl Source {
-    /// Reads an XML file.
+    /// Reads an XML file, which may be compressed (`.gz`).
     pub fn read(path: &std::path::Path) -> Result<Self, ReadError> {
         let name = path.display().to_string();
         let refuse = |reason: String| ReadError(format!("{name}: {reason}"));
-        if name.ends_with(".gz") {
-            return Err(refuse("a compressed file, expected XML (gunzip it)".to_owned()));
-        }
-        let file = path.metadata().map_err(|error| refuse(format!("cannot be opened: {error}")))?;
-        if !file.is_file() {
+        let opened = |error| refuse(format!("cannot be opened: {error}"));
+        // Looked at before it is opened: to open a pipe is to wait for its other end.
+        if !path.metadata().map_err(opened)?.is_file() {
             return Err(refuse("is not a regular file".to_owned()));
         }
-        if file.len() > MOST_BYTES as u64 {
-            return Err(refuse(format!("has {} bytes, expected at most {MOST_BYTES}", file.len())));
-        }
-        let text = std::fs::read_to_string(path);
-        let text = text.map_err(|error| refuse(format!("cannot be read: {error}")))?;
+        let file = File::open(path).map_err(opened)?;
+        let whole: Box<dyn Read> = match name.ends_with(".gz") {
+            true => Box::new(MultiGzDecoder::new(file)),
+            false => Box::new(file),
+        };
+        let mut text = String::new();
+        let read = whole.take(MOST_BYTES as u64 + 1).read_to_string(&mut text);
+        read.map_err(|error| refuse(format!("cannot be read: {error}")))?;
         let root = xml::parse_within(&name, &text, MOST_BYTES)?.root;
         Ok(Self { name, root })
     }
@@ -195,4 +199,27 @@ fn read_connection(source: &Source, element: &Element) -> Result<Connection, Rea
         light: light.transpose()?,
         yields: matches!(element.attribute("state"), Some("m" | "s" | "w" | "Z")),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flate2::{Compression, GzBuilder};
+    use std::io::Write;
+
+    #[test]
+    fn a_compressed_net_is_read_and_a_cut_one_refused() {
+        let path = std::env::temp_dir().join(format!("{}.net.xml.gz", std::process::id()));
+        let net =
+            "<net><edge id=\"a\"><lane id=\"a_0\" speed=\"9\" shape=\"0,0 9,0\"/></edge></net>";
+        let mut packed = GzBuilder::new().write(Vec::new(), Compression::fast());
+        packed.write_all(net.as_bytes()).expect("memory");
+        let packed = packed.finish().expect("memory");
+        std::fs::write(&path, &packed).expect("writable");
+        assert_eq!(Net::read(&path).expect("a net").edges["a"][0].speed_mps, 9.0);
+        std::fs::write(&path, &packed[..packed.len() / 2]).expect("writable");
+        let refused = Net::read(&path).err().expect("cut").to_string();
+        assert!(refused.contains("cannot be read"), "{refused}");
+        std::fs::remove_file(&path).expect("ours");
+    }
 }

@@ -7,9 +7,8 @@
 //! ```
 
 use crate::ReadError;
-use crate::demand::distance;
+use crate::line::{Line, distance};
 use crate::net::{Connection, Lane, Net};
-use crate::smooth::between;
 use serde::{Deserialize, Serialize};
 
 /// Points that are nearer to each other are one, m.
@@ -125,39 +124,20 @@ impl Path {
         if on.enters == on.leaves {
             return self.follow(from, lines(lanes, on.enters));
         }
-        let whole_m =
-            |lane: &Lane| lane.shape.windows(2).map(|p| distance(p[0], p[1])).sum::<f64>();
-        let (first_m, second_m) = (whole_m(from), whole_m(to));
+        let (first, second) = (Line::of(&from.shape), Line::of(&to.shape));
+        let (first_m, second_m) = (first.length_m(), second.length_m());
         let changed = on.enters.abs_diff(on.leaves) as f64;
         let share = (CHANGE_M * changed / first_m).min(CHANGE_SHARE);
         let begin_m = BEFORE_SHARE * first_m;
         let end_m = (BEFORE_SHARE + share) * second_m;
         let (own, other) = (lines(lanes, on.enters), lines(lanes, on.leaves));
         let speed_mps = from.speed_mps.min(to.speed_mps);
-        let before = part(&from.shape, 0.0, begin_m);
-        let after = part(&to.shape, end_m, second_m);
+        let before = first.part(0.0, begin_m);
+        let after = second.part(end_m, second_m);
         self.shape(&before, speed_mps, [own.clone(), own.clone()]);
         self.shape(&after[..1], speed_mps, [own, other.clone()]);
         self.shape(&after, speed_mps, [other.clone(), other]);
     }
-}
-
-/// The part of a shape between two ways along it.
-fn part(shape: &[[f64; 2]], from_m: f64, to_m: f64) -> Vec<[f64; 2]> {
-    let (mut points, mut passed_m) = (Vec::new(), 0.0);
-    for pair in shape.windows(2) {
-        let way_m = distance(pair[0], pair[1]).max(1e-9);
-        let (low, high) = ((from_m - passed_m) / way_m, (to_m - passed_m) / way_m);
-        if high >= 0.0 && low <= 1.0 {
-            points.push(between(pair[0], pair[1], low.clamp(0.0, 1.0)));
-            points.push(between(pair[0], pair[1], high.clamp(0.0, 1.0)));
-        }
-        passed_m += way_m;
-    }
-    if points.is_empty() {
-        points.push(shape[shape.len() - 1]);
-    }
-    points
 }
 
 /// Lines of the drivable lanes around one of an edge, from right to left. Lane 0 is the rightmost.

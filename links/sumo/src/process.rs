@@ -65,11 +65,11 @@ pub struct Process {
 }
 
 impl Process {
-    /// Finds and starts the program with arguments and a port, and connects to it.
+    /// Finds and starts the program with arguments; the port on which it will listen.
     pub fn start(
         arguments: &[String],
-        network: &mut dyn Network,
-    ) -> Result<(Self, TcpStream), ProgramError> {
+        prepare: impl FnOnce(&mut Command) -> io::Result<()>,
+    ) -> Result<(Self, u16), ProgramError> {
         let program = find_program()?;
         let refuse = ProgramError::start(program.display());
         let port = free_port().map_err(&refuse)?;
@@ -79,24 +79,36 @@ impl Process {
         if let Some(home) = program.ancestors().nth(2).filter(|home| home.ends_with(PACKAGE)) {
             command.env("SUMO_HOME", home);
         }
-        network.prepare(&mut command).map_err(&refuse)?;
+        prepare(&mut command).map_err(&refuse)?;
         let mut child = command.spawn().map_err(&refuse)?;
         let errors = child.stderr.take().map(|errors| std::thread::spawn(move || lines(errors)));
-        let mut this = Self { child, errors };
+        Ok((Self { child, errors }, port))
+    }
+
+    /// Connects to a port as soon as something listens there. `this` is the process that will.
+    pub fn connect(
+        this: &mut Option<Self>,
+        port: u16,
+        network: &mut dyn Network,
+    ) -> Result<TcpStream, ProgramError> {
         let begun = Instant::now();
         loop {
             match network.connect(port) {
-                Ok(stream) => return Ok((this, stream)),
-                Err(_) if this.is_gone() => return Err(this.ended("at its start")),
+                Ok(stream) => return Ok(stream),
                 Err(_) if begun.elapsed() > START => {
                     return Err(ProgramError::silent("at its start", START.as_secs_f64()));
                 }
                 Err(_) => std::thread::sleep(ATTEMPT),
             }
+            if let Some(this) = this.as_mut()
+                && this.is_gone()
+            {
+                return Err(this.ended("at its start"));
+            }
         }
     }
 
-    fn is_gone(&mut self) -> bool {
+    pub fn is_gone(&mut self) -> bool {
         self.child.try_wait().is_ok_and(|status| status.is_some())
     }
 

@@ -6,7 +6,7 @@
 
 use road::{Piece, Pose};
 
-use crate::demand::distance;
+use crate::line::{Line, distance};
 
 /// Distance between two points, m.
 const SPACING_M: f64 = 0.75;
@@ -81,28 +81,10 @@ impl Smooth {
 
 /// Points at even distances along a line of points, with their ways along it.
 fn evenly(points: &[[f64; 2]]) -> (Vec<f64>, Vec<[f64; 2]>) {
-    let whole_m: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
-    let count = libm::ceil(whole_m / SPACING_M).max(2.0);
-    let step_m = whole_m / count;
-    let (mut ways, mut even) = (vec![0.0], vec![points[0]]);
-    let mut passed_m = 0.0;
-    for pair in points.windows(2) {
-        let way_m = distance(pair[0], pair[1]);
-        while even.len() as f64 * step_m <= passed_m + way_m && (even.len() as f64) < count {
-            let at_m = even.len() as f64 * step_m;
-            even.push(between(pair[0], pair[1], (at_m - passed_m) / way_m));
-            ways.push(at_m);
-        }
-        passed_m += way_m;
-    }
-    ways.push(whole_m);
-    even.push(points[points.len() - 1]);
-    (ways, even)
-}
-
-/// The point at a share of the way between two.
-pub fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
-    [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]))
+    let line = Line::of(points);
+    let count = libm::ceil(line.length_m() / SPACING_M).max(2.0);
+    let way_m = |k: u32| line.length_m() * (f64::from(k) / count);
+    (0..=count as u32).map(|k| (way_m(k), line.at(way_m(k)))).unzip()
 }
 
 /// Each point as the mean of its neighbourhood; the ends stay.

@@ -12,13 +12,14 @@
 //! realtime no cycle waits: the vehicles go on from the last answer until the next one has come.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use road::{Axis, Pose};
 
 use crate::client::{Client, State, Vehicle};
 use crate::lights::{Interval, Plan};
 use crate::process::{Network, Process};
+use crate::shared::Seat;
 use crate::{ProgramError, RADIUS_M, Route, STEP_MS};
 
 /// Time between two steps, ns.
@@ -51,6 +52,8 @@ pub struct Settings {
     pub speed_mps: f64,
     /// Most vehicles at a time.
     pub most: usize,
+    /// A SUMO that several egos share; none: one of the run's own.
+    pub shared: Option<Seat>,
     /// Waits for the answer of a step at once.
     pub waits: bool,
 }
@@ -115,7 +118,6 @@ pub struct World {
     axis: Axis,
     /// Places of the axis at even distances.
     marks: Vec<[f64; 2]>,
-    ego: String,
     waits: bool,
     /// Time of the step that was begun and not taken, of the newest answer, and of the next step, ns of the run.
     open_ns: Option<u64>,
@@ -145,8 +147,18 @@ impl World {
         route: &Route,
         network: &mut dyn Network,
     ) -> Result<Self, ProgramError> {
-        let started = Process::start(&arguments(settings), network)?;
-        let mut client = Client::open(started, settings.deadline_s)?;
+        let Settings { config, seed, shared, .. } = settings;
+        let (mut process, port) = match shared {
+            Some(seat) => (None, seat.port),
+            None => {
+                let (process, port) =
+                    Process::start(&arguments(config, *seed, 1), |c| network.prepare(c))?;
+                (Some(process), port)
+            }
+        };
+        let stream = Process::connect(&mut process, port, network)?;
+        let mut client = Client::open(process, stream, settings.deadline_s)?;
+        shared.map_or(Ok(()), |seat| client.order(seat.number))?;
         let from_s = client.time_s()?;
         let mut time_s = from_s;
         while time_s < from_s + settings.begin_s {
@@ -155,7 +167,8 @@ impl World {
             client.step_to(time_s)?;
         }
         let known = client.vehicles()?;
-        let names = std::iter::once("ego".to_owned()).chain((0..).map(|n| format!("timegap-{n}")));
+        let first = shared.map_or("ego".to_owned(), |seat| format!("ego-{}", seat.number));
+        let names = std::iter::once(first).chain((0..).map(|n| format!("timegap-{n}")));
         let ego = names.into_iter().find(|name| !known.contains(name)).expect("they never end");
         let start = (route.lane, route.depart_m, settings.speed_mps);
         client.add(&ego, &route.edges, start, settings.ego_m)?;
@@ -175,7 +188,7 @@ impl World {
                 )));
             }
         }
-        client.surround(&ego, RADIUS_M)?;
+        client.surround()?;
         let mut plans: Vec<(String, Plan)> = Vec::new();
         for light in &route.lights {
             if plans.iter().all(|(known, _)| *known != light.controller) {
@@ -195,7 +208,6 @@ impl World {
             marks: (0..=count).map(mark).collect(),
             axis,
             route: route.clone(),
-            ego,
             waits: settings.waits,
             open_ns: None,
             known_ns: 0,
@@ -225,7 +237,7 @@ impl World {
             let there = beside.placed(&self.axis.pose(ego.place_m + ahead_m));
             let placed = there.placed(&self.route.start);
             let angle_deg = (90.0 - placed.heading_rad.to_degrees()).rem_euclid(360.0);
-            self.client.begin_step(&self.ego, [placed.x_m, placed.y_m], angle_deg)?;
+            self.client.begin_step([placed.x_m, placed.y_m], angle_deg)?;
             self.open_ns = Some(self.next_ns);
             self.next_ns += STEP_NS;
             self.take_due(time_ns)?;
@@ -251,7 +263,9 @@ impl World {
 
     /// Takes the answer of a step whose time has come.
     fn take_due(&mut self, time_ns: u64) -> Result<(), ProgramError> {
-        let Some(open_ns) = self.open_ns.filter(|open_ns| *open_ns <= time_ns) else { return Ok(()) };
+        let Some(open_ns) = self.open_ns.filter(|open_ns| *open_ns <= time_ns) else {
+            return Ok(());
+        };
         if !self.waits && !self.client.has_answered()? {
             return Ok(());
         }
@@ -267,12 +281,8 @@ impl World {
         }
         let ego = self.axis.pose(self.place_m).placed(&self.route.start);
         let away_m = |[x_m, y_m]: [f64; 2]| libm::hypot(x_m - ego.x_m, y_m - ego.y_m);
-        let mut near: Vec<(f64, Vehicle)> = step
-            .vehicles
-            .into_iter()
-            .filter(|v| v.id != self.ego)
-            .map(|vehicle| (away_m(vehicle.front_m), vehicle))
-            .collect();
+        let mut near: Vec<(f64, Vehicle)> =
+            step.vehicles.into_iter().map(|vehicle| (away_m(vehicle.front_m), vehicle)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.id.cmp(&b.1.id)));
         let bodies = near.into_iter().filter_map(|(_, v)| Some((self.body(&v)?, v.id)));
         let mut found: BTreeMap<_, _> =
@@ -334,13 +344,13 @@ impl World {
 }
 
 /// Arguments of the program.
-fn arguments(settings: &Settings) -> Vec<String> {
-    let (seed, step_s) = (settings.seed % (1 << 31), STEP_MS as f64 * 1e-3);
+pub fn arguments(config: &Path, seed: u64, egos: u32) -> Vec<String> {
+    let (seed, step_s) = (seed % (1 << 31), STEP_MS as f64 * 1e-3);
     let words = format!(
         "--step-length {step_s} --seed {seed} --random false --collision.action none --no-step-log true \
-         --no-warnings true --duration-log.disable true --xml-validation never --num-clients 1"
+         --no-warnings true --duration-log.disable true --xml-validation never --num-clients {egos}"
     );
-    let config = ["-c".to_owned(), settings.config.display().to_string()];
+    let config = ["-c".to_owned(), config.display().to_string()];
     config.into_iter().chain(words.split(' ').map(str::to_owned)).collect()
 }
 

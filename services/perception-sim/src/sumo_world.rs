@@ -11,7 +11,7 @@ use runtime::{
 };
 use scenario::Scenario;
 use scenario::event::VEHICLE_WIDTH_M;
-use sumo::{Body, Colour, Network, ProgramError, Settings, World};
+use sumo::{Body, Colour, Network, ProgramError, Seat, Settings, World};
 
 use crate::radar::scene::{Ego, PlaneEgo};
 use crate::traffic::Traffic;
@@ -49,6 +49,7 @@ impl SumoWorld {
             ego_m: (scenario.plant.length_m.value(), VEHICLE_WIDTH_M),
             speed_mps: scenario.plant.initial_speed_mps.value(),
             most: scenario.actors.len(),
+            shared: Seat::given(),
             waits: runtime.clock().mode() == Mode::Lockstep,
         };
         let world = World::start(&settings, route, &mut Alone(None)).map_err(failed)?;
@@ -165,9 +166,9 @@ impl Network for Alone {
 
     fn connect(&mut self, port: u16) -> io::Result<TcpStream> {
         static NOTE: Once = Once::new();
-        if let Some(network) = &mut self.0
-            && let Some(stream) = network.connect(port)?
-        {
+        // A SUMO that several egos share was started elsewhere.
+        let Some(network) = &mut self.0 else { return TcpStream::connect(("127.0.0.1", port)) };
+        if let Some(stream) = network.connect(port)? {
             return Ok(stream);
         }
         let stream = TcpStream::connect(("127.0.0.1", port))?;
