@@ -9,12 +9,10 @@ use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
 use report::results::ResultOptions;
 use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
-use runtime::{Mode, RuntimeError, Sealing, die_with_this_thread, inherit_only};
+use runtime::{Mode, RuntimeError, Sealing, die_with_this_thread};
 use scenario::Scenario;
-use std::path::Path;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 use std::time::Instant;
-use sumo::Shared;
 use supervise::report::Outcome;
 use supervise::{
     Ended, Error, GroupOptions, Keep, Moment, ScenarioOptions, UsageError, check_targets, drive,
@@ -172,16 +170,9 @@ fn driver(scenario: &Scenario, arguments: &RunArguments) -> String {
         return program.display().to_string();
     }
     let law = scenario.controller.name.as_str();
-    match laws::program(scenario) {
-        Ok(Some(program)) => format!("{law} ({})", program.command),
-        Ok(None) | Err(_) => law.to_owned(),
-    }
+    let program = laws::program(scenario).ok().flatten();
+    program.map_or(law.to_owned(), |program| format!("{law} ({})", program.command))
 }
-
-/// Options of which each ego has its own.
-const OF_EGOS: [&str; 4] = ["--egos", "--out", "--seed", "--ready-timeout"];
-/// Longest wait of an ego until the one before it has left room, s: it starts from rest.
-const ROOM_S: f64 = 10.0;
 
 /// Drives the egos, each by this command without `--egos`. The verdict is the worst of theirs.
 fn run_egos(scenario: &Scenario, arguments: &RunArguments, egos: u32) -> Result<ExitCode, Error> {
@@ -189,33 +180,20 @@ fn run_egos(scenario: &Scenario, arguments: &RunArguments, egos: u32) -> Result<
         let why = "SUMO does not have the traffic";
         return Err(UsageError::option("--egos", egos, why, "a scenario with traffic.sumo").into());
     };
-    let program = std::env::current_exe().map_err(Error::path("find", Path::new("timegap")))?;
     let seed = scenario.seed.value();
     let run = |number: u32| {
-        let mut words = std::env::args().skip(1);
-        let mut run = Command::new(&program);
-        while let Some(word) = words.next() {
-            match OF_EGOS.contains(&word.split('=').next().unwrap_or_default()) {
-                true if !word.contains('=') => drop(words.next()),
-                true => {}
-                false => drop(run.arg(word)),
-            }
-        }
+        let mut run = sumo::this_command(&["--egos", "--out", "--seed", "--ready-timeout"])?;
         if let Some(out) = &arguments.results.output.out {
             run.arg("--out").arg(out.join(format!("ego-{number}")));
         }
-        let ready_s = arguments.group.ready_timeout + ROOM_S * f64::from(number - 1);
+        let ready_s = arguments.group.ready_timeout + sumo::ROOM_S * f64::from(number - 1);
         run.arg(format!("--seed={}", seed + u64::from(number) - 1));
         run.arg(format!("--ready-timeout={ready_s}"));
         die_with_this_thread(&mut run);
-        run
+        Ok(run)
     };
     print::note("note: SUMO listens on all interfaces while several egos share it");
-    let sumo = Shared::start((config, seed), egos, |command| {
-        inherit_only(command, None);
-        die_with_this_thread(command);
-        Ok(())
-    });
+    let sumo = sumo::Shared::start((config, seed), egos, die_with_this_thread);
     let done = sumo.and_then(|sumo| sumo.drive((1..=egos).map(run)));
     let done = done.map_err(|error| RuntimeError::Program(Box::new(error)))?;
     done.iter().try_for_each(|output| print::out(&String::from_utf8_lossy(&output.stdout)))?;

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! [`read_route`] needs no SUMO. [`World`] starts the program, adds the ego, and steps it each 100 ms of the run. The ego
-//! is placed in the same message as the step. SUMO answers with the vehicles around it and with the states of the
-//! lights. Between two steps the vehicles go on at constant acceleration.
+//! is placed together with the step. SUMO answers with the vehicles around it and with the states of the lights. Between
+//! two steps the vehicles go on at constant acceleration. Several egos have one SUMO: [`Shared`].
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -41,7 +41,7 @@ pub use lights::{Colour, Interval};
 pub use path::Light;
 pub use process::Network;
 pub use route::{Limit, Route, read_route};
-pub use shared::{Seat, Shared};
+pub use shared::{ROOM_S, Seat, Shared, this_command};
 pub use world::{Body, Ego, Settings, World};
 
 /// Time between two steps of SUMO, ms.

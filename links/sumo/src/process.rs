@@ -7,7 +7,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::ProgramError;
+use crate::{ProgramError, STEP_MS};
 
 /// Time until the program has read its files and listens.
 const START: Duration = Duration::from_secs(60);
@@ -146,6 +146,17 @@ impl Drop for Process {
         self.kill();
         let _ = self.child.wait();
     }
+}
+
+/// Arguments of the program.
+pub fn arguments(config: &Path, seed: u64, egos: u32) -> Vec<String> {
+    let (seed, step_s) = (seed % (1 << 31), STEP_MS as f64 * 1e-3);
+    let words = format!(
+        "--step-length {step_s} --seed {seed} --random false --collision.action none --no-step-log true \
+         --no-warnings true --duration-log.disable true --xml-validation never --num-clients {egos}"
+    );
+    let config = ["-c".to_owned(), config.display().to_string()];
+    config.into_iter().chain(words.split(' ').map(str::to_owned)).collect()
 }
 
 /// A port that nothing uses at the moment.

@@ -19,13 +19,14 @@ use std::time::Duration;
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::ProgramError;
-use crate::process::Process;
-use crate::world::arguments;
+use crate::process::{Process, arguments};
 
 /// Environment variable by which a run knows its [`Seat`]: port and number. It is no key of a scenario, since a kept
 /// scenario outlives the port.
 const SEAT: &str = "TIMEGAP_SUMO";
 
+/// Longest wait of an ego until the one before it has left room, s: it starts from rest.
+pub const ROOM_S: f64 = 10.0;
 /// Time between two looks at SUMO while the egos drive.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -47,6 +48,24 @@ impl Seat {
     }
 }
 
+/// The command of this process without some options, each `--NAME VALUE` or `--NAME=VALUE`.
+///
+/// # Errors
+/// If the system does not know this program's file.
+pub fn this_command(without: &[&str]) -> io::Result<Command> {
+    let mut command = Command::new(std::env::current_exe()?);
+    let mut words = std::env::args_os().skip(1);
+    while let Some(word) = words.next() {
+        let text = word.to_string_lossy();
+        match without.contains(&text.split('=').next().unwrap_or_default()) {
+            true if !text.contains('=') => drop(words.next()),
+            true => {}
+            false => drop(command.arg(&word)),
+        }
+    }
+    Ok(command)
+}
+
 /// SUMO for several egos, each of which connects by itself.
 #[derive(Debug)]
 pub struct Shared {
@@ -62,9 +81,13 @@ impl Shared {
     pub fn start(
         (config, seed): (&Path, u64),
         egos: u32,
-        prepare: impl FnOnce(&mut Command) -> io::Result<()>,
+        prepare: impl FnOnce(&mut Command),
     ) -> Result<Self, ProgramError> {
-        let (process, port) = Process::start(&arguments(config, seed, egos), prepare)?;
+        let prepared = |command: &mut Command| {
+            prepare(command);
+            Ok(())
+        };
+        let (process, port) = Process::start(&arguments(config, seed, egos), prepared)?;
         Ok(Self { process, port })
     }
 
@@ -74,11 +97,12 @@ impl Shared {
     /// [`ProgramError`] if a run cannot start, or SUMO fails before they are over.
     pub fn drive(
         mut self,
-        runs: impl IntoIterator<Item = Command>,
+        runs: impl IntoIterator<Item = io::Result<Command>>,
     ) -> Result<Vec<Output>, ProgramError> {
         let refuse = ProgramError::start("the run of an ego");
         let (mut pids, mut waits) = (Vec::new(), Vec::new());
-        for (mut run, number) in runs.into_iter().zip(1..) {
+        for (run, number) in runs.into_iter().zip(1..) {
+            let mut run = run.map_err(&refuse)?;
             run.env(SEAT, format!("{} {number}", self.port)).stdin(Stdio::null());
             let run = run.stdout(Stdio::piped()).spawn().map_err(&refuse)?;
             pids.push(Pid::from_child(&run));

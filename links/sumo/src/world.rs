@@ -1,10 +1,10 @@
 //! SUMO's world around the ego, step by step.
 //!
 //! ```text
-//! time of the run   0 ─────────── 100 ms ────────── 200 ms
-//! ego               placed for 100 placed for 200    placed for 300   where it will be
-//! SUMO              ├ drives ┤     ├ drives ┤        ├ drives ┤       one message there, one back
-//! bodies            of 0          of 100            of 200           extrapolated in between
+//! time of the run   0 ─────────── 100 ms ─────── 200 ms ────
+//! ego               placed        placed         placed       for the next step, where it will be
+//! SUMO              ├ step ┤      ├ step ┤       ├ step ┤     beside the run
+//! bodies            of 0          of 100         of 200       extrapolated in between
 //! ```
 //!
 //! SUMO computes a step beside the run, from the ego's place ahead at constant acceleration. A change of its acceleration
@@ -12,13 +12,13 @@
 //! realtime no cycle waits: the vehicles go on from the last answer until the next one has come.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use road::{Axis, Pose};
 
 use crate::client::{Client, State, Vehicle};
 use crate::lights::{Interval, Plan};
-use crate::process::{Network, Process};
+use crate::process::{Network, Process, arguments};
 use crate::shared::Seat;
 use crate::{ProgramError, RADIUS_M, Route, STEP_MS};
 
@@ -341,17 +341,6 @@ impl World {
         let nearest = (from..=to).min_by(|a, b| square(a).total_cmp(&square(b)));
         nearest.unwrap_or(from) as f64 * SPACING_M
     }
-}
-
-/// Arguments of the program.
-pub fn arguments(config: &Path, seed: u64, egos: u32) -> Vec<String> {
-    let (seed, step_s) = (seed % (1 << 31), STEP_MS as f64 * 1e-3);
-    let words = format!(
-        "--step-length {step_s} --seed {seed} --random false --collision.action none --no-step-log true \
-         --no-warnings true --duration-log.disable true --xml-validation never --num-clients {egos}"
-    );
-    let config = ["-c".to_owned(), config.display().to_string()];
-    config.into_iter().chain(words.split(' ').map(str::to_owned)).collect()
 }
 
 fn seconds(time_ns: u64) -> f64 {

@@ -70,12 +70,8 @@ impl SumoWorld {
         in_plane: &PlaneEgo,
         traffic: &mut Traffic,
     ) -> Result<(), RuntimeError> {
-        let ego = sumo::Ego {
-            pose: in_plane.pose,
-            place_m: ego.position_m,
-            speed_mps: ego.speed_mps,
-            acceleration_mps2: ego.acceleration_mps2,
-        };
+        let &Ego { position_m: place_m, speed_mps, acceleration_mps2 } = ego;
+        let ego = sumo::Ego { pose: in_plane.pose, place_m, speed_mps, acceleration_mps2 };
         self.world.advance(time_ns, &ego).map_err(failed)?;
         self.time_s = time_ns as f64 * 1e-9;
         traffic.place(self.world.bodies().map(|body| vehicle(&body)));
