@@ -3,8 +3,6 @@
 use crate::live::{Live, LiveOptions};
 use clap::Args;
 use controller::law::Formulation;
-use controller::laws;
-use messages::Service;
 use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
 use report::results::ResultOptions;
 use report::summary::{self, Summary};
@@ -101,7 +99,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let output = OutputDirectory::create(&arguments.results.output, scenario.name.as_str())?;
     output.write_input("scenario.toml", scenario.to_toml().as_bytes())?;
 
-    let mut live = Live::open(&arguments.live, &scenario, &driver(&scenario, arguments))?;
+    let mut live = Live::open(&arguments.live, &scenario, scenario.controller.name.as_str())?;
     let length_s = scenario.duration_s.value();
     let quiet = arguments.results.json || arguments.live.watch || length_s <= 1.0;
     let bar = print::bar((length_s * 1e3) as u64, "{msg} {wide_bar} {percent:>3} %", quiet);
@@ -163,37 +161,24 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     })
 }
 
-/// The driver: the program in the controller's place, the program that the law hosts, or the law.
-fn driver(scenario: &Scenario, arguments: &RunArguments) -> String {
-    let mut programs = arguments.group.programs.iter();
-    if let Some((_, program)) = programs.find(|(service, _)| *service == Service::Controller) {
-        return program.display().to_string();
-    }
-    let law = scenario.controller.name.as_str();
-    let program = laws::program(scenario).ok().flatten();
-    program.map_or(law.to_owned(), |program| format!("{law} ({})", program.command))
-}
-
 /// Drives the egos, each by this command without `--egos`. The verdict is the worst of theirs.
 fn run_egos(scenario: &Scenario, arguments: &RunArguments, egos: u32) -> Result<ExitCode, Error> {
     let Some(config) = &scenario.traffic.sumo else {
         let why = "SUMO does not have the traffic";
         return Err(UsageError::option("--egos", egos, why, "a scenario with traffic.sumo").into());
     };
-    let seed = scenario.seed.value();
     let run = |number: u32| {
         let mut run = sumo::this_command(&["--egos", "--out", "--seed", "--ready-timeout"])?;
         if let Some(out) = &arguments.results.output.out {
             run.arg("--out").arg(out.join(format!("ego-{number}")));
         }
         let ready_s = arguments.group.ready_timeout + sumo::ROOM_S * f64::from(number - 1);
-        run.arg(format!("--seed={}", seed + u64::from(number) - 1));
+        run.arg(format!("--seed={}", scenario.seed.value() + u64::from(number) - 1));
         run.arg(format!("--ready-timeout={ready_s}"));
         die_with_this_thread(&mut run);
         Ok(run)
     };
-    print::note("note: SUMO listens on all interfaces while several egos share it");
-    let sumo = sumo::Shared::start((config, seed), egos, die_with_this_thread);
+    let sumo = sumo::Shared::start((config, scenario.seed.value()), egos, die_with_this_thread);
     let done = sumo.and_then(|sumo| sumo.drive((1..=egos).map(run)));
     let done = done.map_err(|error| RuntimeError::Program(Box::new(error)))?;
     done.iter().try_for_each(|output| print::out(&String::from_utf8_lossy(&output.stdout)))?;

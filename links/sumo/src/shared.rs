@@ -83,6 +83,7 @@ impl Shared {
         egos: u32,
         prepare: impl FnOnce(&mut Command),
     ) -> Result<Self, ProgramError> {
+        eprintln!("note: SUMO listens on all interfaces while several egos share it");
         let prepared = |command: &mut Command| {
             prepare(command);
             Ok(())
