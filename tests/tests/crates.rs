@@ -38,14 +38,15 @@ const WITHIN: [(&str, &str); 9] = [
     ("sumo", "road"),
 ];
 
+/// Layer of a crate. `path` is that of its manifest below the workspace's folder.
 fn layer(name: &str, path: &str) -> usize {
     let of = |entry: &&str| match entry.strip_suffix('/') {
-        Some(folder) => path.contains(&format!("/{folder}/")),
+        Some(folder) => path.starts_with(&format!("/{folder}/")),
         None => *entry == name,
     };
     let found = LAYERS.iter().position(|layer| layer.iter().any(&of));
     // A library for services and tools belongs to the lowest layer.
-    found.or(path.contains("/shared/").then_some(0)).unwrap_or(LAYERS.len())
+    found.or(path.starts_with("/shared/").then_some(0)).unwrap_or(LAYERS.len())
 }
 
 #[test]
@@ -58,11 +59,12 @@ fn a_crate_depends_on_lower_layers_alone() {
     let metadata: Value = serde_json::from_slice(&output.stdout).expect("cargo prints JSON");
     let packages = metadata["packages"].as_array().expect("packages");
     let text = |value: &Value| value.as_str().expect("a text").to_owned();
+    let root = text(&metadata["workspace_root"]);
     let layers: BTreeMap<String, usize> = packages
         .iter()
         .map(|package| {
             let (name, path) = (text(&package["name"]), text(&package["manifest_path"]));
-            let layer = layer(&name, &path);
+            let layer = layer(&name, path.strip_prefix(&root).expect("it is below"));
             (name, layer)
         })
         .collect();
