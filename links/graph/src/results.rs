@@ -4,20 +4,22 @@ use crate::group::Launcher;
 use crate::plan::Graph;
 use crate::times::{self, Reactions};
 use crate::trail::{Layout, PARTS};
+use bench::document::drawn;
 use bench::peer::Outcome;
-use report::chart::{Stroke, Tone};
 use report::gate::{Against, Baseline, Sample};
-use report::html::{figure, grid};
+use report::html::grid;
 use report::output::{HISTOGRAMS, histogram_log};
 use report::print::duration;
 use report::results::{Broken, Column, Document, Object, Table, count, micros, number, word};
 use report::summary::Host;
-use report::{Distribution, distributions};
 use runtime::statistics::{Latencies, Percentiles};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use supervise::{Error, Recovery};
+
+/// Tag of the floor's histogram.
+const FLOOR: &str = "sleep";
 
 /// Percentiles, µs.
 #[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
@@ -172,7 +174,7 @@ pub fn document(
     let group = &roster.group;
     let (mut chains, mut hops, mut pictures) = (Vec::new(), Vec::new(), String::new());
     let mut samples = Vec::new();
-    let mut histograms = vec![("sleep".to_owned(), floor.latencies.clone())];
+    let mut histograms = vec![(FLOOR.to_owned(), floor.latencies.clone())];
     for (number, chain) in graph.chains.iter().enumerate() {
         let Reactions { times, blocks, .. } = Reactions::open(graph, number, group)?;
         let name = chain.name.as_str().to_owned();
@@ -202,9 +204,12 @@ pub fn document(
         };
         sample("reaction time p50, µs", |us| us.p50);
         sample("reaction time p99, µs", |us| us.p99);
-        pictures += &picture(&name, [&times.reaction, &times.age, &floor.latencies]);
-        histograms.push((format!("reaction_time:{number}"), times.reaction));
-        histograms.push((format!("data_age:{number}"), times.age));
+        let [reaction, age] = ["reaction_time", "data_age"].map(|tag| format!("{tag}:{number}"));
+        histograms.push((reaction.clone(), times.reaction));
+        histograms.push((age.clone(), times.age));
+        let floor = (FLOOR.to_owned(), "floor: a process that only sleeps");
+        let tagged = [(reaction, "reaction time"), (age, "data age"), floor];
+        pictures += &drawn(&histograms, &name, &tagged).unwrap_or_default();
     }
     let nodes = roster.iter().zip(counts).map(|(member, counts)| {
         let node = member.role.to_string();
@@ -288,19 +293,4 @@ pub fn document(
         Some(against) => against.onto(document),
         None => document,
     })
-}
-
-/// Reaction time and data age of a chain, and the machine's floor.
-fn picture(chain: &str, [reaction, age, floor]: [&Latencies; 3]) -> String {
-    let [tone, other] = [Tone::Series(0), Tone::Series(1)];
-    let lines = [
-        ("reaction time", tone, Stroke::Solid, reaction),
-        ("data age", other, Stroke::Solid, age),
-        ("floor: a process that only sleeps", Tone::Muted, Stroke::Dashed, floor),
-    ];
-    let drawn = lines.map(|(name, tone, stroke, latencies)| {
-        let label = format!("{name} (n = {})", latencies.count());
-        Distribution { label, tone, stroke, latencies }
-    });
-    distributions(chain, &drawn).map(|plot| figure(&plot)).unwrap_or_default()
 }

@@ -277,7 +277,7 @@ fn pictures(histograms: &[(String, Latencies)], title: &str, names: &[(&str, &st
 }
 
 /// The histograms of these tags in one picture, the floor last.
-fn drawn(
+pub fn drawn(
     histograms: &[(String, Latencies)],
     title: &str,
     tagged: &[(String, &str)],

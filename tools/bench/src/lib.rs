@@ -25,7 +25,7 @@
 mod baseline;
 mod blocks;
 mod chain;
-mod document;
+pub mod document;
 mod goals;
 mod paired;
 pub mod payload;
