@@ -224,9 +224,9 @@ mod tests {
             }
         }
         assert!(trials.is_sorted_by_key(|trial| trial.not_tried.is_some()), "{trials:?}");
-        let late = |figures: &LoopFigures| figures.late as i64;
-        let fewer_late =
-            |trial: &Trial| Some(late(trial.without.as_ref()?) - late(trial.with.as_ref()?));
+        let fewer_late = |trial: &Trial| {
+            Some(trial.without.as_ref()?.late as i64 - trial.with.as_ref()?.late as i64)
+        };
         assert!(trials.iter().filter_map(fewer_late).is_sorted_by(|a, b| a >= b), "{trials:?}");
     }
 
