@@ -172,10 +172,8 @@ fn follow(
         }
         let mut messages: Vec<_> = batch.messages().collect();
         messages.sort_by_key(|(_, bytes)| published_ns(bytes));
-        let mut hand_on =
-            |(topic, bytes)| hand_on(&mut encoder, (topic, published_ns(bytes), bytes), &server);
-        if let Some(unix_ns) = messages.into_iter().map(&mut hand_on).last() {
-            server.send_time(unix_ns);
+        for (topic, bytes) in messages {
+            hand_on(&mut encoder, (topic, published_ns(bytes), bytes), &server);
         }
     }
     let ended = Instant::now();
@@ -206,7 +204,7 @@ fn play(recording: &Recording, server: Server, speed: f64) -> ExitCode {
             shown = due;
         }
         let message = (record.topic, record.log_time_ns, record.bytes());
-        server.send_time(hand_on(&mut encoder, message, &server));
+        hand_on(&mut encoder, message, &server);
     }
     server.end("the recording has ended", || !is_signalled());
     let damage: Vec<_> = recording.damage().iter().chain(records.damage()).collect();
@@ -214,17 +212,10 @@ fn play(recording: &Recording, server: Server, speed: f64) -> ExitCode {
     if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Sends a message, and what is drawn by it; the instant in ns since 1970.
-fn hand_on(
-    encoder: &mut Encoder,
-    (topic, run_ns, bytes): (Topic, i64, &[u8]),
-    server: &Server,
-) -> u64 {
-    let mut unix_ns = 0;
+/// Sends a message, and what is drawn by it.
+fn hand_on(encoder: &mut Encoder, (topic, run_ns, bytes): (Topic, i64, &[u8]), server: &Server) {
     let Ok(()) = encoder.encode(topic, run_ns, bytes, |head, payload| {
-        unix_ns = head.log_time;
         server.send(head.channel_id, head.log_time, payload);
         Ok::<(), Infallible>(())
     });
-    unix_ns
 }

@@ -50,17 +50,14 @@ impl Server {
         self.port
     }
 
-    /// Hands a message of `channel` with its time, ns since 1970, to the viewers that subscribe to it.
+    /// Hands a message of `channel` with its time, ns since 1970, to the viewers that subscribe to it. All
+    /// of them show that time once they have what was sent.
     pub fn send(&self, channel: u16, unix_ns: u64, payload: &[u8]) {
         let mut hub = lock(&self.hub);
+        hub.unix_ns = unix_ns;
         if hub.viewers.values().flat_map(BTreeMap::values).any(|of| *of == channel) {
-            hub.put(Sent { channel: Some(channel), unix_ns, payload: payload.to_vec() });
+            hub.put(Sent { channel, unix_ns, payload: payload.to_vec() });
         }
-    }
-
-    /// Hands the time that viewers show, ns since 1970, to all.
-    pub fn send_time(&self, unix_ns: u64) {
-        lock(&self.hub).put(Sent { channel: None, unix_ns, payload: Vec::new() });
     }
 
     /// True if a viewer subscribes to anything.

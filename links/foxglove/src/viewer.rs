@@ -40,7 +40,7 @@ pub(crate) fn serve(
     subject: &Subject,
 ) {
     let next = lock(hub).next();
-    let mut viewer = Viewer { id, hub, subject, address, next, has_lost: false };
+    let mut viewer = Viewer { id, hub, subject, address, next, shown_ns: 0, has_lost: false };
     let outcome = accept(stream).map_err(|why| ("refused", why)).and_then(|mut socket| {
         viewer.attend(&mut socket).map_err(|why| {
             close(&mut socket, &why.to_string());
@@ -124,6 +124,8 @@ struct Viewer<'a> {
     address: SocketAddr,
     /// Number of the message that it gets next.
     next: u64,
+    /// Time that it shows, ns since 1970.
+    shown_ns: u64,
     /// Messages were lost since it last had all.
     has_lost: bool,
 }
@@ -174,8 +176,11 @@ impl Viewer<'_> {
             let hub = lock(self.hub);
             let Some((is_late, messages)) = hub.take(self.id, &mut self.next) else {
                 self.has_lost = false;
-                let end = hub.end.clone();
+                let (end, unix_ns) = (hub.end.clone(), hub.unix_ns);
                 drop(hub);
+                if std::mem::replace(&mut self.shown_ns, unix_ns) != unix_ns {
+                    send(socket, protocol::time(unix_ns))?;
+                }
                 end.iter().for_each(|words| close(socket, words));
                 return Ok(end.is_some());
             };
