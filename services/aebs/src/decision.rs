@@ -162,6 +162,10 @@ impl Decision {
         self.state
     }
 
+    pub fn path(&self) -> Path {
+        self.settings.path
+    }
+
     /// Takes the objects as they are now, once in each period.
     pub fn step(&mut self, ego: &Ego, objects: impl IntoIterator<Item = Object>) -> Demand {
         let (mut worst, mut all) = (None::<Assessment>, Assessment::default());
@@ -315,7 +319,7 @@ impl Decision {
             let touches = overlap(reach_m, (offset_m - moved_m).max(0.0), sigma_m);
             let wanders = (1.0 - h.rate_mps.abs() / WANDERING_MPS).max(0.0);
             let goes_on = libm::exp(-CEASES_PER_S * wanders * in_s.max(0.0));
-            let probability = h.probability * touches * goes_on;
+            let probability = object.probability * h.probability * touches * goes_on;
             contact.probability += probability;
             contact.loss += probability * (1.0 + beside.closing_mps(in_s).abs() / SEVERE_MPS);
         }

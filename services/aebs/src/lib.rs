@@ -14,8 +14,12 @@
 //! ([`mod@corridor`]). The belief about the road is all that it takes from perception. The yaw rate checks it, and
 //! takes its place ([`mod@way`]). A straight road is a corridor of curvature 0.
 //!
+//! It also looks at each object that is about to hit another one, as it will stand there
+//! ([`Objects::threats`](objects::Objects::threats)).
+//!
 //! Everything but `service` is plain code: state and time are arguments.
 
+mod collision_ahead;
 pub mod corridor;
 pub mod decision;
 pub mod filter;

@@ -36,6 +36,8 @@ pub struct Object {
     /// Its length as far as it was seen, m.
     pub length_m: f64,
     pub is_confirmed: bool,
+    /// Probability that it is there.
+    pub probability: f64,
     /// It was seen lately.
     pub is_seen: bool,
     /// The side on which its face is behind a nearer object, 1 left, -1 right, or 0: neither.
@@ -72,6 +74,7 @@ impl Object {
             lateral: Lateral::first(y_m, FIRST_SIGMA_M),
             length_m: LEAST_LENGTH_M,
             is_confirmed: false,
+            probability: 1.0,
             is_seen: true,
             hidden_side: 0.0,
             history: 0,

@@ -28,7 +28,9 @@
 //! the corridor changes, the position of every object is computed anew from it. The object stays where it is in the
 //! plane, so the estimate of the road makes no lateral speed.
 
+use crate::collision_ahead::where_it_stands;
 use crate::corridor::Corridor;
+use crate::decision::Path;
 use crate::object::{HALF_WIDTH_M, MAX_OBJECTS, Object};
 use crate::point::Point;
 use crate::sighting::correct;
@@ -80,6 +82,15 @@ impl Objects {
     /// The objects that count, as of the last scan.
     pub fn confirmed(&self) -> impl Iterator<Item = &Object> {
         self.list.iter().filter(|object| object.is_confirmed && !object.is_beside_the_road())
+    }
+
+    /// Those, and each that is about to hit another one in the ego's `path` ([`mod@crate::collision_ahead`]) as it
+    /// will stand there.
+    pub fn threats(&self, path: Path) -> impl Iterator<Item = Object> {
+        let hits = move |first| {
+            self.confirmed().filter_map(move |second| where_it_stands(first, second, path))
+        };
+        self.confirmed().copied().chain(self.confirmed().flat_map(hits))
     }
 
     /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps`. Places are counted

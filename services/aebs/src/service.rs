@@ -194,7 +194,8 @@ impl Aebs {
         let share = self.sight.expected_share();
         self.objects.take_scan(&self.way, share, scanned_ns, scanned_mps, scan.detections());
         let mean_mps = 0.5 * (scanned_mps + ego.speed_mps);
-        let now = self.objects.confirmed().map(|object| object.moved_on(age_s, mean_mps));
+        let threats = self.objects.threats(self.decision.path());
+        let now = threats.map(|object| object.moved_on(age_s, mean_mps));
         Some(self.decision.step(&ego, now))
     }
 

@@ -172,6 +172,9 @@ fn an_object_half_hidden_by_a_leaving_lead_is_in_the_path() {
     let object = objects.confirmed().find(|object| object.stands()).expect("it is seen");
     // Only its right corner and its middle were.
     assert!(object.lateral.position_m.abs() < 0.4, "{object:?}");
+    let path = Path { half_width_m: 0.95, horizon_s: 3.0 };
+    let stands = objects.threats(path).filter(Object::stands).count();
+    assert_eq!(stands, 2, "and the lead will stand before it");
 }
 
 #[test]
