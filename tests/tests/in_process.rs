@@ -228,7 +228,7 @@ fn options_that_need_processes_are_refused() {
         (vec!["cacc-a", "--in-process"], "add --mode lockstep"),
         (
             vec!["cacc-a", "--mode", "lockstep", "--in-process", "--service", "controller=./mine"],
-            "omit --service or --in-process",
+            "cannot be used with '--service <NAME=PROGRAM>'",
         ),
     ] {
         let output = corner.run(&[&["run"], arguments.as_slice()].concat());

@@ -11,7 +11,7 @@ use rustix::process::Signal;
 use scenario::supervision::Supervision;
 use std::fmt;
 use std::sync::mpsc::channel;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use supervise::succession::{self, Phase, Step};
 use supervise::{Error, Event, FaultLog, MachineError, Role, Roster, follow_signals};
 
@@ -109,7 +109,7 @@ impl<'a> Launcher<'a> {
     /// Waits until all processes are ready, and gives them the common start.
     pub fn begin(&mut self) -> Result<(), Error> {
         let not_ready = |node, what| MachineError(format!("node {node} {what}")).into();
-        self.roster.wait_until_ready(PATIENCE, not_ready)?;
+        self.roster.wait_until_ready(Instant::now(), PATIENCE, not_ready)?;
         self.roster.begin_all(monotonic_ns() + START_DELAY_NS);
         Ok(())
     }

@@ -16,14 +16,14 @@ use std::time::{Duration, Instant};
 const SIGNAL_GRACE: Duration = Duration::from_millis(100);
 
 impl<R: Role> Roster<'_, R> {
-    /// Waits until the first processes of all members are ready, for `patience` at most. `not_ready` makes the error of
-    /// a member that is not, from the reason in words.
+    /// Waits until the first processes of all members are ready, for `patience` after they were `spawned` at
+    /// most. `not_ready` makes the error of a member that is not, from the reason in words.
     pub fn wait_until_ready(
         &mut self,
+        spawned: Instant,
         patience: Duration,
         not_ready: impl Fn(R, String) -> Error,
     ) -> Result<(), Error> {
-        let spawned = Instant::now();
         let mut waiting: Vec<Who<R>> = self.iter().flat_map(Member::all).collect();
         while let Some(first) = waiting.first().map(|who| who.role) {
             let left = patience.saturating_sub(spawned.elapsed());
@@ -89,9 +89,9 @@ impl<R: Role> Roster<'_, R> {
 
 impl Supervisor<'_> {
     pub(super) fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
-        let patience = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
+        let patience = self.launch.ready_timeout;
         let programs = &self.programs;
-        self.roster.wait_until_ready(patience, |service, what| {
+        self.roster.wait_until_ready(spawned, patience, |service, what| {
             let foreign = programs.contains_key(&service);
             let hint = match foreign && service == Service::Controller {
                 true => " (a law's program is not a service: give it with --law NAME=COMMAND)",
