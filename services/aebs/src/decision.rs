@@ -259,7 +259,7 @@ impl Decision {
         let keep = authority.beside(ego, &passing, Plan::Keep, 0.0)?;
         let kept = self.contact(object, Some(keep));
         let mut assessment = Assessment::of(ego, object, kept.loss);
-        // What was not seen lately may be gone: two echoes that were one are two again.
+        // An object that was not seen lately may be gone: two echoes that were one are two again.
         if !object.is_seen || kept.probability < likely(ego.speed_mps - object.speed_mps) {
             return (kept.probability > REMOTE).then_some(assessment);
         }

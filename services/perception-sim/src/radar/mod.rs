@@ -19,7 +19,7 @@ pub mod scene;
 
 use messages::Detection;
 
-/// What a radar gives in one scan.
+/// Output of a radar in one scan.
 #[derive(Clone, Copy, Debug)]
 pub struct Scan<'a> {
     /// Its detections, in the order of their ranges if their vehicles are not known.
@@ -29,7 +29,7 @@ pub struct Scan<'a> {
 }
 
 impl<'a> Scan<'a> {
-    /// Detections of which nobody knows the vehicle.
+    /// Detections whose vehicles are not known.
     #[must_use]
     pub fn of_echoes(detections: &'a [Detection]) -> Self {
         Self { detections, vehicles: &[] }

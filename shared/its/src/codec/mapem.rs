@@ -162,7 +162,7 @@ fn attributes(fields: &mut impl Fields, direction: &mut u16) -> Result<bool, Pay
             false
         } else {
             let is_vehicles = fields.whole(KIND_OF_LANE, VEHICLE)? == VEHICLE;
-            // Of the vehicle's special attributes none is written.
+            // The special attributes of a lane for vehicles are not written.
             let attributes = if is_vehicles { &VEHICLE_ATTRIBUTES } else { &OTHER_ATTRIBUTES };
             fields.skip(true, attributes)?;
             is_vehicles

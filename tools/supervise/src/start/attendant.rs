@@ -57,7 +57,7 @@ impl Attendant {
         let out = child.stdout.take().expect("piped");
         let (sender, lines) = channel();
         let hand_on = move || {
-            // Lines that nobody waits for are dropped.
+            // The receiver may be gone.
             let lines = BufReader::new(out).lines().map_while(Result::ok);
             lines.for_each(|line| drop(sender.send(line)));
         };

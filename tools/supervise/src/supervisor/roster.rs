@@ -28,7 +28,7 @@ pub struct Roster<'a, R = Service> {
     pub group: Group,
     pub(crate) janitor: Janitor,
     sender: Sender<Event<R>>,
-    /// What the processes say and do.
+    /// Messages and ends of the processes.
     pub events: Receiver<Event<R>>,
     members: Vec<Member<R>>,
     /// Run time 0, `CLOCK_MONOTONIC` ns.

@@ -87,9 +87,7 @@ impl Mark {
             vehicle: vehicles * vehicle / (2.0 * HALF_WIDTH_M * anywhere),
         }
     }
-}
 
-impl Mark {
     fn away_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
         libm::hypot(self.at_m.0 - x_m, self.at_m.1 - y_m)
     }

@@ -172,7 +172,7 @@ impl Belief {
     }
 
     /// Landmarks and pairs of trail places in use.
-    #[must_use]
+    #[cfg(test)]
     pub fn used(&self) -> (u32, u32) {
         (self.evidence.marks.len() as u32, self.evidence.pairs.len() as u32)
     }
