@@ -75,7 +75,7 @@ impl<'a> Launcher<'a> {
     /// A launcher on a stage, before it starts anything.
     pub fn new(graph: &'a Graph, stage: &'a Stage) -> Result<Self, Error> {
         let mut group = Group::read(stage.root().path())?;
-        group.scenario = serde_json::to_vec(graph).expect("plain data");
+        group.scenario = serde_json::to_string(graph).expect("plain data");
         group.write()?;
         let counts = (0..graph.nodes.len()).map(|node| NodeCounts::open(node, &group));
         let (sender, events) = channel();

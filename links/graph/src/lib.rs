@@ -55,7 +55,7 @@ impl Graph {
     /// The graph that the launcher wrote for a group, where a car's has its scenario.
     fn of(group: &Group) -> Result<Self, UsageError> {
         let mistake = |why| UsageError::at("the group's file", why, "a graph of this program");
-        serde_json::from_slice(&group.scenario).map_err(mistake)
+        serde_json::from_str(&group.scenario).map_err(mistake)
     }
 
     /// Refuses what this machine does not have: cores, shared memory.

@@ -58,7 +58,6 @@ impl Assignment {
         best
     }
 
-    /// The track of a vehicle.
     pub(crate) fn track_of(&self, vehicle: usize) -> Option<usize> {
         self.vehicle_of.iter().position(|of| of.map(usize::from) == Some(vehicle))
     }

@@ -59,14 +59,12 @@ pub struct Perception {
     known: Ego,
 }
 
-/// The radar with its tracker.
 #[derive(Clone, Debug)]
 enum Sensor {
     Ideal(ExactTracker),
     Tracked(Box<(Radar, Tracker)>),
 }
 
-/// A radar whose output is tracked.
 #[derive(Clone, Debug)]
 enum Radar {
     ObjectList(ObjectListRadar),
@@ -74,14 +72,11 @@ enum Radar {
 }
 
 impl Perception {
-    /// The perception of a scenario, before the start.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         Self::with(scenario, &Numbers::DEFAULT)
     }
 
     /// The same with other numbers of a tracker of detections, for studies of their effect.
-    #[must_use]
     pub fn with(scenario: &Scenario, numbers: &Numbers) -> Self {
         let perception = &scenario.perception;
         let latency = perception.radar.latency_ms.value() / perception.period_ms.value();
@@ -127,7 +122,6 @@ impl Perception {
     }
 
     /// The same on a road in the plane, with a course from these sources.
-    #[must_use]
     pub fn on_road(mut self, road: Arc<Axis>, sources: Sources) -> Self {
         self.road = Some(road);
         for scene in self.held.iter_mut().chain(&mut self.rooms) {
@@ -207,12 +201,11 @@ impl Perception {
     }
 
     fn hold(&mut self, scene: &Scene) {
-        self.held[self.taken % HELD].clone_from(scene);
+        self.held[self.taken % HELD].copy(scene);
         self.taken += 1;
     }
 
     /// The scene of the scan that the last step let out.
-    #[must_use]
     pub fn scanned(&self) -> &Scene {
         &self.held[Self::out(self.taken, self.latency_scans)]
     }
@@ -261,25 +254,21 @@ impl Perception {
     }
 
     /// The ego's motion that the tracker assumed at the last scan.
-    #[must_use]
     pub fn known(&self) -> Ego {
         self.known
     }
 
     /// The ego's speed at the last scan as standing objects show it, m/s, and the detections behind it.
-    #[must_use]
     pub fn measured_ego_speed(&self) -> Option<(f64, u64)> {
         self.ego_speed.measured()
     }
 
     /// Share of the expected detections that the radar gives; 1 with exact tracks.
-    #[must_use]
     pub fn seen_share(&self) -> f64 {
         self.tracker().map_or(1.0, Tracker::seen_share)
     }
 
     /// The road ahead as the tracker estimates it; `None` with exact tracks.
-    #[must_use]
     pub fn road_ahead(&self) -> Option<&RoadAhead> {
         self.tracker().map(Tracker::ahead)
     }
@@ -292,13 +281,11 @@ impl Perception {
     }
 
     /// Number of detections that the last step wrote, and number of those without room.
-    #[must_use]
     pub fn received(&self) -> Received {
         self.received
     }
 
     /// Figures of how well the tracks have matched the traffic.
-    #[must_use]
     pub fn report(&self) -> PerceptionReport {
         let counts = match &self.sensor {
             Sensor::Tracked(both) => matches!(both.0, Radar::Detections(_)),
@@ -314,7 +301,6 @@ impl Perception {
     }
 
     /// The run is over: the storyboard has come to its end, or the ego to the road's.
-    #[must_use]
     pub fn is_over(&self) -> bool {
         self.traffic.is_over() || self.has_road_ended()
     }
@@ -335,7 +321,6 @@ impl Perception {
     }
 
     /// The other vehicles as they truly are, in the scenario's order.
-    #[must_use]
     pub fn vehicles(&self) -> &[Vehicle] {
         self.traffic.vehicles()
     }

@@ -68,7 +68,6 @@ impl PlanePorts {
         }))
     }
 
-    /// Takes what has come.
     pub(crate) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
         runtime.update(&mut self.lateral)?;
         runtime.update(&mut self.pose)?;

@@ -31,7 +31,6 @@ use crate::vehicle::Vehicle;
 /// Inward speed from which a vehicle beside the path is a right target, m/s.
 const INWARD_MPS: f64 = 0.1;
 
-/// The account of a run so far.
 #[derive(Clone, Debug)]
 pub struct Quality {
     view: View,
@@ -75,7 +74,6 @@ struct Confirmed {
 
 impl Quality {
     /// Before the first scan.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         Self {
             view: View::new(&scenario.perception.radar),
@@ -178,7 +176,6 @@ impl Quality {
     }
 
     /// The figures so far, but for what only the radar counts.
-    #[must_use]
     pub fn figures(&self) -> PerceptionReport {
         let scans = (self.scans as f64).max(1.0);
         let rms = |sum: f64| (sum / scans).sqrt();

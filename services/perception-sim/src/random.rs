@@ -19,14 +19,11 @@ pub struct Random {
 
 impl Random {
     /// The stream of one source over a whole run.
-    #[must_use]
     pub fn of_run(seed: u64, source: u64) -> Self {
         let seed = seed.wrapping_add(source.wrapping_mul(GOLDEN));
         Self { generator: Pcg64::seed_from_u64(seed), spare: None }
     }
 
-    /// The stream of one source in the scan of `time_ns`.
-    #[must_use]
     pub fn of_scan(seed: u64, source: u64, time_ns: i64) -> Self {
         let seed = hash(hash(seed, source), time_ns as u64);
         Self { generator: Pcg64::seed_from_u64(seed), spare: None }
@@ -37,7 +34,6 @@ impl Random {
         random::uniform(&mut self.generator)
     }
 
-    /// Uniform in [`from`, `to`).
     pub fn between(&mut self, from: f64, to: f64) -> f64 {
         from + (to - from) * self.uniform()
     }
@@ -74,20 +70,17 @@ impl Random {
 }
 
 /// An exponential deviate with mean 1 from a uniform one in [0, 1).
-#[must_use]
 pub fn exponential(uniform: f64) -> f64 {
     -libm::log(1.0 - uniform)
 }
 
 /// A number in [0, 1) that belongs to `index` of the stream `seed`. It serves what stands in the world and must be the
 /// same in every scan.
-#[must_use]
 pub fn fixed(seed: u64, index: u64) -> f64 {
     random::unit(hash(seed, index))
 }
 
 /// Mixes two numbers (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
-#[must_use]
 pub fn hash(seed: u64, index: u64) -> u64 {
     let mut z = seed.wrapping_add(index.wrapping_add(1).wrapping_mul(GOLDEN));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

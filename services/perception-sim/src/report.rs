@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 /// Quality of perception's tracks by ground truth. Module [`quality`](crate::quality) computes each figure.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PerceptionReport {
-    /// Scans judged.
     pub scans: u64,
     /// GOSPA (c = 10 m, p = 2), root mean square over the scans, m. Its square is the sum of the squares
     /// of the next three.

@@ -140,7 +140,6 @@ impl DetectionOutput {
         self.port.as_ref().map(Publisher::loan_used).transpose()
     }
 
-    /// The room for the detections.
     fn room<'a>(
         &'a mut self,
         message: Option<&'a mut Loan<RadarDetections>>,

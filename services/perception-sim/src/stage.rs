@@ -20,7 +20,6 @@ pub(crate) struct Stage {
     world: World,
     /// The entity of each actor of the scenario.
     entities: Vec<usize>,
-    /// The ego at the start.
     start: Motion,
     /// 1 where the ego faces along the road, -1 where it faces against it.
     direction: f64,

@@ -53,7 +53,6 @@ pub struct Snapshot([[Option<Base>; ROW]; MAX_ACTORS / ROW], Option<State>);
 
 impl Snapshot {
     /// Simulated time of the newest part of it, ns; 0 without vehicles.
-    #[must_use]
     pub fn newest_ns(&self) -> u64 {
         self.0.iter().flatten().flatten().map(|base| base.time_ns).max().unwrap_or(0)
     }
@@ -85,7 +84,6 @@ struct Base {
 
 impl Traffic {
     /// The vehicles of a scenario, before the start.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         let axis = scenario.road.plan().map(|plan| Arc::new(plan.axis().clone()));
         let on_axis =
@@ -122,39 +120,32 @@ impl Traffic {
         }
     }
 
-    /// Places the vehicles of SUMO.
     pub(crate) fn place(&mut self, vehicles: impl Iterator<Item = Vehicle>) {
         for (place, vehicle) in self.vehicles.iter_mut().zip(vehicles) {
             *place = vehicle;
         }
     }
 
-    /// A storyboard moves the vehicles.
-    #[must_use]
     pub fn has_storyboard(&self) -> bool {
         self.stage.is_some()
     }
 
     /// A storyboard has come to its end, and so has the run.
-    #[must_use]
     pub fn is_over(&self) -> bool {
         self.stage.as_ref().is_some_and(Stage::is_over)
     }
 
     /// The ego came to the end of the road of an OpenSCENARIO file.
-    #[must_use]
     pub fn has_road_ended(&self) -> bool {
         self.stage.as_ref().is_some_and(Stage::has_road_ended)
     }
 
     /// Names of the storyboard's acts that have not started.
-    #[must_use]
     pub fn unstarted_acts(&self) -> Vec<String> {
         self.stage.as_ref().map(Stage::unstarted_acts).unwrap_or_default()
     }
 
     /// State of all vehicles for a process that takes this one's place. The vehicles outlive their simulator.
-    #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let mut kept = Snapshot::default();
         for (place, mover) in kept.0.as_flattened_mut().iter_mut().zip(&self.movers) {
@@ -174,8 +165,6 @@ impl Traffic {
         }
     }
 
-    /// The vehicles, in the scenario's order.
-    #[must_use]
     pub fn vehicles(&self) -> &[Vehicle] {
         &self.vehicles
     }
@@ -314,7 +303,7 @@ fn initial_speed(actor: &Actor, time_s: f64) -> f64 {
 /// Speed of a table at a time: linear between the points, constant before the first and after the
 /// last.
 fn speed_in(points: &[SpeedPoint], time_s: f64) -> f64 {
-    let after = first_after(points, time_s);
+    let after = points.partition_point(|point| point.0.value() <= time_s);
     let before = after.checked_sub(1).map(|i| &points[i]);
     match (before, points.get(after)) {
         (Some(a), Some(b)) => {
@@ -324,22 +313,6 @@ fn speed_in(points: &[SpeedPoint], time_s: f64) -> f64 {
         (Some(point), None) | (None, Some(point)) => point.1.value(),
         (None, None) => 0.0,
     }
-}
-
-/// Index of the first point after a time. Recorded tables have even steps: there the place is known
-/// without a search.
-fn first_after(points: &[SpeedPoint], time_s: f64) -> usize {
-    let is_before = |index: usize| points.get(index).is_some_and(|point| point.0.value() <= time_s);
-    if let [first, second, ..] = points {
-        let step_s = second.0.value() - first.0.value();
-        let guess = ((time_s - first.0.value()) / step_s).max(0.0) as usize;
-        for index in guess.saturating_sub(1)..guess.saturating_add(2).min(points.len()) {
-            if is_before(index) && !is_before(index + 1) {
-                return index + 1;
-            }
-        }
-    }
-    points.partition_point(|point| point.0.value() <= time_s)
 }
 
 fn seconds(time_ns: u64) -> f64 {

@@ -5,7 +5,6 @@
 
 use scenario::actor::{Actor, LateralMotion};
 
-/// The lateral motions of a vehicle.
 #[derive(Clone, Debug)]
 pub(crate) struct Weaving {
     motions: Vec<LateralMotion>,
@@ -16,7 +15,6 @@ pub(crate) struct Weaving {
 }
 
 impl Weaving {
-    /// The motions of an actor.
     pub(crate) fn new(actor: &Actor) -> Self {
         let motions = actor.lateral.clone();
         let mut over_s = f64::NEG_INFINITY;
@@ -34,7 +32,6 @@ impl Weaving {
         Self { motions, over_s, after_m }
     }
 
-    /// Lateral position, m, and speed, m/s.
     pub(crate) fn at(&self, time_s: f64) -> (f64, f64) {
         // Rounding must not end a motion that its own clock has not ended.
         let over = self.over_s.partition_point(|over_s| *over_s < time_s - 1e-6);

@@ -1,7 +1,7 @@
 //! Messages on their way from the topics to a file or a viewer.
 
 use messages::{Message, Topic};
-use runtime::{Guest, RuntimeError, Tapped};
+use runtime::{Guest, RuntimeError};
 
 /// Most messages that are taken from one topic before the next one's turn.
 const TURN: usize = 1024;
@@ -9,29 +9,22 @@ const TURN: usize = 1024;
 /// Messages taken from all topics in one pass.
 #[derive(Debug, Default)]
 pub struct Batch {
-    entries: Vec<Entry>,
+    /// Topics and places of the messages among the bytes.
+    entries: Vec<(Topic, usize)>,
     bytes: Vec<u8>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    topic: Topic,
-    offset: usize,
 }
 
 impl Batch {
     fn push<T: Message>(&mut self, message: &T) {
-        let offset = self.bytes.len();
-        self.entries.push(Entry { topic: T::TOPIC, offset });
+        self.entries.push((T::TOPIC, self.bytes.len()));
         self.bytes.extend_from_slice(bytemuck::bytes_of(message));
     }
 
     /// Each message with its topic, those of one sender on one topic in their order.
     pub fn messages(&self) -> impl Iterator<Item = (Topic, &[u8])> {
-        self.entries.iter().map(|entry| {
-            let end = entry.offset + entry.topic.message_bytes();
-            (entry.topic, &self.bytes[entry.offset..end])
-        })
+        let bytes =
+            |(topic, at): &(Topic, usize)| (*topic, &self.bytes[*at..*at + topic.message_bytes()]);
+        self.entries.iter().map(bytes)
     }
 
     /// True if nothing was there.
@@ -40,26 +33,14 @@ impl Batch {
     }
 }
 
-/// The tapped topics, each by its type.
+/// Moves what is there of one topic into a batch.
+type Drain = Box<dyn Fn(&mut Batch) -> Result<(), RuntimeError>>;
+
+/// The tapped topics.
 pub struct Taps {
-    topics: Vec<Box<dyn Drain>>,
+    topics: Vec<Drain>,
     // Ports before the node that owns them.
     _guest: Guest,
-}
-
-trait Drain {
-    fn drain_into(&self, into: &mut Batch) -> Result<(), RuntimeError>;
-}
-
-impl<T: Message> Drain for Tapped<T> {
-    fn drain_into(&self, into: &mut Batch) -> Result<(), RuntimeError> {
-        for _ in 0..TURN {
-            if !self.take(|message| into.push(message))? {
-                break;
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Taps {
@@ -68,8 +49,19 @@ impl Taps {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn open(guest: Guest) -> Result<Self, RuntimeError> {
+        fn drain<T: Message>(guest: &Guest) -> Result<Drain, RuntimeError> {
+            let tapped = guest.tap::<T>()?;
+            Ok(Box::new(move |into| {
+                for _ in 0..TURN {
+                    if !tapped.take(|message| into.push(message))? {
+                        break;
+                    }
+                }
+                Ok(())
+            }))
+        }
         macro_rules! every {
-            ($($message:ty),+) => { vec![$(Box::new(guest.tap::<$message>()?) as Box<dyn Drain>),+] };
+            ($($message:ty),+) => { vec![$(drain::<$message>(&guest)?),+] };
         }
         let topics = messages::each_message!(every);
         Ok(Self { topics, _guest: guest })
@@ -81,9 +73,7 @@ impl Taps {
     /// [`RuntimeError::Topic`].
     pub fn take(&self) -> Result<Batch, RuntimeError> {
         let mut batch = Batch::default();
-        for topic in &self.topics {
-            topic.drain_into(&mut batch)?;
-        }
+        self.topics.iter().try_for_each(|drain| drain(&mut batch))?;
         Ok(batch)
     }
 }

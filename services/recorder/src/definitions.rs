@@ -16,12 +16,11 @@ pub(crate) const MESSAGE_ENCODING: &str = "cdr";
 /// Schemas and channels seen so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Definitions {
-    /// Fingerprints of the types.
-    schemas: BTreeMap<u16, u64>,
-    /// Names of the types, and by channel name and type of the topic, ours and others.
-    types: BTreeMap<u16, String>,
-    listed: BTreeMap<u16, (String, u16)>,
+    /// Fingerprint of each type, and the topic of ours that has a type of that name.
+    schemas: BTreeMap<u16, (Option<u64>, Option<Topic>)>,
     channels: BTreeMap<u16, Topic>,
+    /// Other topics with a type of ours: their names, and our topic.
+    renamed: BTreeMap<u16, (String, Topic)>,
     other_layout: Option<String>,
 }
 
@@ -35,36 +34,28 @@ impl Definitions {
         Ok(())
     }
 
-    /// Adds those of another part of the file.
-    pub(crate) fn extend(&mut self, other: Self) {
-        self.schemas.extend(other.schemas);
-        self.types.extend(other.types);
-        self.listed.extend(other.listed);
-        self.channels.extend(other.channels);
-        self.other_layout = self.other_layout.take().or(other.other_layout);
+    fn schema(&mut self, schema: &Schema<'_>) {
+        let fingerprint = (schema.encoding == SCHEMA_ENCODING)
+            .then(|| schema::fingerprint(&String::from_utf8_lossy(schema.definition)));
+        let ours = TOPICS.into_iter().find(|topic| topic.layout().type_name == schema.name);
+        self.schemas.insert(schema.id, (fingerprint, ours));
     }
 
-    pub(crate) fn schema(&mut self, schema: &Schema<'_>) {
-        if schema.encoding == SCHEMA_ENCODING {
-            let text = String::from_utf8_lossy(schema.definition);
-            self.schemas.insert(schema.id, schema::fingerprint(&text));
-        }
-        if schema.name.len() <= LONGEST_NAME {
-            self.types.insert(schema.id, schema.name.to_owned());
-        }
-    }
-
-    pub(crate) fn channel(&mut self, channel: &Channel<'_>) {
-        if channel.topic.len() <= LONGEST_NAME {
-            self.listed.insert(channel.id, (channel.topic.to_owned(), channel.schema));
-        }
-        // A topic that others added to the file is theirs.
-        let Some(topic) = Topic::by_name(channel.topic) else { return };
-        let is_ours = self.schemas.get(&channel.schema) == Some(&ours(topic));
-        if is_ours && channel.encoding == MESSAGE_ENCODING {
-            self.channels.insert(channel.id, topic);
-        } else {
-            self.other_layout.get_or_insert_with(|| channel.topic.to_owned());
+    fn channel(&mut self, channel: &Channel<'_>) {
+        let (fingerprint, ours) = self.schemas.get(&channel.schema).copied().unwrap_or_default();
+        match Topic::by_name(channel.topic) {
+            Some(topic) if fingerprint == Some(of_ours(topic)) && is_cdr(channel) => {
+                self.channels.insert(channel.id, topic);
+            }
+            Some(_) => {
+                self.other_layout.get_or_insert_with(|| channel.topic.to_owned());
+            }
+            // A topic that others added to the file is theirs.
+            None => {
+                if let Some(ours) = ours.filter(|_| channel.topic.len() <= LONGEST_NAME) {
+                    self.renamed.insert(channel.id, (channel.topic.to_owned(), ours));
+                }
+            }
         }
     }
 
@@ -77,25 +68,11 @@ impl Definitions {
         self.other_layout.as_deref()
     }
 
-    /// Topics that carry a type of ours in the place of ours, which the file does not have.
-    pub(crate) fn renamed(&self) -> impl Iterator<Item = (&str, Topic)> {
-        self.listed().filter_map(|(channel, name, type_name)| {
-            let ours = TOPICS.into_iter().find(|topic| topic.layout().type_name == type_name)?;
-            let is_there = self.channels.values().any(|topic| *topic == ours);
-            (!is_there && !self.channels.contains_key(&channel)).then_some((name, ours))
-        })
-    }
-
-    /// True before the first topic of ours.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.channels.is_empty() && self.other_layout.is_none()
-    }
-
-    /// Channel, name of the topic and name of its type, of every channel.
-    pub(crate) fn listed(&self) -> impl Iterator<Item = (u16, &str, &str)> {
-        self.listed.iter().map(|(channel, (topic, schema))| {
-            (*channel, topic.as_str(), self.types.get(schema).map_or("", String::as_str))
-        })
+    /// A topic that carries a type of ours in the place of ours, which the file does not have.
+    pub(crate) fn renamed(&self) -> Option<(&str, Topic)> {
+        let is_there = |ours: &Topic| self.channels.values().any(|topic| topic == ours);
+        let mut renamed = self.renamed.values().filter(|(_, ours)| !is_there(ours));
+        renamed.next().map(|(name, ours)| (name.as_str(), *ours))
     }
 
     /// Messages by topic from their number by channel; `None` if a topic has no channel.
@@ -108,6 +85,10 @@ impl Definitions {
     }
 }
 
-fn ours(topic: Topic) -> u64 {
+fn of_ours(topic: Topic) -> u64 {
     schema::fingerprint(&schema::ros2_definition(topic.layout()))
+}
+
+fn is_cdr(channel: &Channel<'_>) -> bool {
+    channel.encoding == MESSAGE_ENCODING
 }

@@ -29,7 +29,6 @@ mod metadata;
 mod outline;
 mod reader;
 mod records;
-mod recover;
 mod replayer;
 mod scene;
 pub mod schema;
@@ -43,14 +42,14 @@ pub use batch::{Batch, Taps};
 pub use damage::{Damage, ReadError};
 pub use encoder::{Channel, Encoder};
 pub use link::{FromRecorder, Report, Start, ToRecorder, orders, say};
+pub use mcap::Summary;
 pub use metadata::{FigureName, Host, LawNames, Metadata, SIMULATED_START_NS, Tally, TopicTally};
-pub use reader::{Recording, Survey, TopicSummary};
+pub use reader::{Recording, Survey};
 pub use records::{Record, Records, Timed};
-pub use recover::recover;
 pub use replayer::{FromReplayer, ToReplayer, replay};
 pub use service::run;
 pub use takes::{Cycle, Take};
-pub use writer::Writer;
+pub use writer::{Writer, recover};
 
 /// Name of the recording in a run's directory of results.
 pub const FILE: &str = "recording.mcap";

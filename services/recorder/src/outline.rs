@@ -1,7 +1,6 @@
 //! Outline of a file, made from record to record without unpacking. It is enough for `info`, and shows whether a
 //! recorder of ours wrote the file: in chunks, in the order of their log times.
 
-use crate::definitions::Definitions;
 use crate::source::{Source, Spot, Window};
 use crate::{Damage, Metadata, Tally};
 use bags::mcap::{self as format, Fields, MAGIC, Malformed, Statistics, opcode};
@@ -19,7 +18,6 @@ pub(crate) struct Outline {
     pub(crate) metadata: Option<Metadata>,
     pub(crate) tally: Option<Tally>,
     pub(crate) statistics: Option<Statistics>,
-    pub(crate) definitions: Definitions,
     /// End of the data section.
     pub(crate) end: u64,
     pub(crate) damage: Vec<Damage>,
@@ -27,6 +25,8 @@ pub(crate) struct Outline {
     pub(crate) foreign: Option<&'static str>,
     /// Latest log time so far.
     last: u64,
+    /// A topic was outside of chunks.
+    loose: bool,
 }
 
 impl Outline {
@@ -35,28 +35,30 @@ impl Outline {
         let mut outline = Self::default();
         let mut window = Window::of_heads(source);
         let mut at = MAGIC.len() as u64;
-        // The content of the summary behind the messages, and its first byte.
-        let mut summary: Option<(u64, Self)> = None;
-        let mut footed = false;
+        // The first byte of the summary behind the messages.
+        let mut summary = None;
+        let (mut footed, mut intact) = (false, false);
         while let Some(spot) = window.spot(at)? {
             at = spot.end();
-            match (&mut summary, spot.opcode) {
-                (None, opcode::DATA_END) => summary = Some((at, Self::default())),
+            match (summary, spot.opcode) {
+                (None, opcode::DATA_END) => summary = Some(at),
                 (None, _) => {
                     outline.data(&mut window, spot)?;
                     outline.end = at;
                 }
-                (Some((from, summary)), opcode::FOOTER) => {
-                    footed = true;
-                    outline.take_summary(&mut window, std::mem::take(summary), *from, spot)?;
+                (Some(from), opcode::FOOTER) => {
+                    (footed, intact) = (true, is_intact(&mut window, from, spot)?);
+                    if !intact {
+                        outline.damage.push(Damage::Summary { bytes: spot.end() - from });
+                    }
                     break;
                 }
-                (Some((_, summary)), opcode::CHANNEL | opcode::SCHEMA | opcode::STATISTICS) => {
-                    summary.small(&mut window, spot)?;
-                }
+                (Some(_), opcode::STATISTICS) => outline.small(&mut window, spot)?,
                 _ => {}
             }
         }
+        // The messages have the content of a damaged summary.
+        outline.statistics.take_if(|_| !intact);
         let left = source.length() - at;
         let magic = MAGIC.len() as u64;
         let is_whole = footed && left >= magic && window.bytes(at, MAGIC.len())? == MAGIC;
@@ -78,33 +80,20 @@ impl Outline {
                     self.foreign = Some("its chunks are not in the order of their log times");
                 }
                 self.last = self.last.max(last);
+                if self.loose {
+                    self.foreign = Some("it has topics outside of chunks");
+                }
             }
             opcode::MESSAGE => self.foreign = Some("it has messages outside of chunks"),
-            opcode::METADATA | opcode::SCHEMA | opcode::CHANNEL => self.small(window, spot)?,
+            // Behind the last chunk they are the summary of a file whose end of data is damaged.
+            opcode::SCHEMA | opcode::CHANNEL => self.loose = true,
+            opcode::METADATA => self.small(window, spot)?,
             _ => {}
         }
         Ok(())
     }
 
-    /// Uses a summary whose checksum is right; a damaged one is left out, since the data section has its content.
-    fn take_summary(
-        &mut self,
-        window: &mut Window,
-        summary: Self,
-        from: u64,
-        footer: Spot,
-    ) -> io::Result<()> {
-        if !is_intact(window, from, footer)? {
-            self.damage.push(Damage::Summary { bytes: footer.end() - from });
-            return Ok(());
-        }
-        self.definitions.extend(summary.definitions);
-        self.statistics = summary.statistics;
-        self.damage.extend(summary.damage);
-        Ok(())
-    }
-
-    /// Takes a record that is neither a chunk nor a message.
+    /// Takes a map or the statistics.
     fn small(&mut self, window: &mut Window, spot: Spot) -> io::Result<()> {
         let damage = |reason| Damage::Chunk { offset: spot.at, bytes: spot.length, reason };
         if spot.length > LONGEST_RECORD {
@@ -126,8 +115,7 @@ impl Outline {
                 self.metadata = self.metadata.take().or_else(|| Metadata::of_record(name, &map));
                 self.tally = self.tally.take().or_else(|| Tally::of_record(name, &map));
             }
-            opcode::STATISTICS => self.statistics = Some(format::statistics(body)?),
-            _ => self.definitions.take(opcode, body)?,
+            _ => self.statistics = Some(format::statistics(body)?),
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! Reading a recording, also one that was cut off.
 
 use crate::counter::Counter;
+use crate::definitions::Definitions;
 use crate::outline::Outline;
 use crate::records::{Records, Timed};
 use crate::source::{Source, Window};
@@ -20,14 +21,6 @@ pub struct Survey {
     pub damage: Vec<Damage>,
 }
 
-/// A topic in a file's summary, one of ours or another.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TopicSummary {
-    pub name: String,
-    pub type_name: String,
-    pub messages: u64,
-}
-
 /// A recording: its own description, and a way to its messages.
 #[derive(Clone, Debug)]
 pub struct Recording {
@@ -35,6 +28,7 @@ pub struct Recording {
     source: Source,
     metadata: Metadata,
     outline: Outline,
+    definitions: Definitions,
 }
 
 impl Recording {
@@ -81,19 +75,18 @@ impl Recording {
         if let Some(reason) = outline.foreign {
             return Err(foreign(reason));
         }
-        let mut recording = Self { path, source, metadata, outline };
-        if recording.outline.definitions.is_empty() {
-            // No summary repeats the topics: they come before the first message.
-            let mut records = recording.records();
-            records.next();
-            recording.outline.definitions = records.into_definitions();
-        }
-        if let Some(topic) = recording.outline.definitions.other_layout() {
+        let definitions = Definitions::default();
+        let mut recording = Self { path, source, metadata, outline, definitions };
+        // The topics come before the first message.
+        let mut records = recording.records();
+        records.next();
+        recording.definitions = records.into_definitions();
+        if let Some(topic) = recording.definitions.other_layout() {
             let topic = topic.to_owned();
             let Self { path, metadata, .. } = recording;
             return Err(ReadError::Layout { path, program: metadata.program, topic });
         }
-        if let Some((name, topic)) = recording.outline.definitions.renamed().next() {
+        if let Some((name, topic)) = recording.definitions.renamed() {
             let (name, ours) = (name.escape_debug(), topic.name());
             return Err(foreign(&format!("the type of its `{name}` is that of `{ours}`")));
         }
@@ -131,7 +124,7 @@ impl Recording {
     /// All messages of `topics`, in the order of their log times.
     pub fn records_of(&self, topics: &[Topic]) -> Records {
         let data = MAGIC.len() as u64..self.outline.end;
-        Records::new(&self.source, self.metadata.epoch_ns, &self.outline.definitions, data, topics)
+        Records::new(&self.source, self.metadata.epoch_ns, &self.definitions, data, topics)
     }
 
     pub fn messages<T: Message>(&self) -> impl Iterator<Item = Timed<T>> + use<T> {
@@ -144,7 +137,7 @@ impl Recording {
     /// The file's own statistics, without reading any message; `None` in a file without an end or without statistics.
     pub fn statistics(&self) -> Option<Survey> {
         let (tally, statistics) = (self.outline.tally.as_ref()?, self.outline.statistics.as_ref()?);
-        let counts = self.outline.definitions.counts(&statistics.channels)?;
+        let counts = self.definitions.counts(&statistics.channels)?;
         let topics = counts.into_iter().map(|(topic, messages)| {
             let counted = tally.topics.get(topic.name()).copied().unwrap_or_default();
             // Others may have taken messages out of the file since.
@@ -160,24 +153,6 @@ impl Recording {
             end_ns,
             damage: self.outline.damage.clone(),
         })
-    }
-
-    /// All topics of the file's own statistics, those for viewers among them. Empty for a file without statistics.
-    pub fn topics(&self) -> Vec<TopicSummary> {
-        let Some(statistics) = &self.outline.statistics else { return Vec::new() };
-        let listed = self.outline.definitions.listed();
-        listed
-            .map(|(channel, name, type_name)| TopicSummary {
-                name: name.to_owned(),
-                type_name: type_name.to_owned(),
-                messages: statistics.channels.get(&channel).copied().unwrap_or(0),
-            })
-            .collect()
-    }
-
-    /// Earliest and latest log time by the file's own statistics, ns since 1970; zeros in a file without.
-    pub fn log_times_ns(&self) -> [u64; 2] {
-        self.outline.statistics.as_ref().map_or([0; 2], |s| [s.start, s.end.max(s.start)])
     }
 
     /// Reads every message: what is there, gaps in the sequence numbers, and what cannot be read.

@@ -10,6 +10,7 @@ use crate::counter::Counter;
 use crate::link::{FromRecorder, Report, Start, ToRecorder, orders, say};
 use crate::sequencer::{Placed, Sequencer};
 use crate::{Metadata, Recording, Tally, TopicTally, Writer};
+use mcap::{McapError, Summary};
 use runtime::{Group, Guest, Mode, RuntimeError, log_warnings, monotonic_ns};
 use std::ffi::OsString;
 use std::fs::File;
@@ -79,13 +80,11 @@ fn record(root: &Path, path: &Path) -> Result<Report, RecordError> {
     let metadata = start.metadata(&scenario, group.mode);
     let disk = Disk::begin(file, metadata)?;
     let tally = follow(&group, &taps, &orders, &start, &disk, sequencer)?;
-    let mut failed = disk.end(&tally);
+    let ended = disk.end(&tally);
     let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
-    let tally = if failed.is_some() { kept(path, &tally) } else { tally };
-    if failed.is_none() {
-        failed = bag::write_beside(path).err().map(|error| error.to_string());
-    }
-    Ok(Report { tally, bytes, failed })
+    let tally = if ended.is_err() { kept(path, &tally) } else { tally };
+    let listed = |summary| bag::write_beside(path, &summary).map_err(|error| error.to_string());
+    Ok(Report { tally, bytes, failed: ended.and_then(listed).err() })
 }
 
 /// Connects to the senders when their ports exist, and waits for the common start.
@@ -161,7 +160,7 @@ enum Work {
 struct Disk {
     work: Sender<Work>,
     queued: Arc<AtomicUsize>,
-    thread: JoinHandle<Result<(), mcap::McapError>>,
+    thread: JoinHandle<Result<Summary, McapError>>,
 }
 
 impl Disk {
@@ -186,15 +185,15 @@ impl Disk {
         let _ = self.work.send(Work::Messages(messages));
     }
 
-    /// Writes the rest and the end; reports errors.
-    fn end(self, tally: &Tally) -> Option<String> {
+    /// Writes the rest and the end.
+    fn end(self, tally: &Tally) -> Result<Summary, String> {
         // As above.
         let _ = self.work.send(Work::End(tally.clone()));
         match self.thread.join() {
-            Ok(Ok(())) => None,
-            Ok(Err(mcap::McapError::Io(error))) => Some(error.to_string()),
-            Ok(Err(error)) => Some(error.to_string()),
-            Err(_) => Some("the writing thread panicked".into()),
+            Ok(Ok(summary)) => Ok(summary),
+            Ok(Err(McapError::Io(error))) => Err(error.to_string()),
+            Ok(Err(error)) => Err(error.to_string()),
+            Err(_) => Err("the writing thread panicked".into()),
         }
     }
 }
@@ -209,7 +208,7 @@ fn write(
     metadata: &Metadata,
     queue: &Receiver<Work>,
     queued: &AtomicUsize,
-) -> Result<(), mcap::McapError> {
+) -> Result<Summary, McapError> {
     let mut writer = Writer::begin(file, metadata)?;
     let mut flushed = Instant::now();
     loop {
@@ -223,7 +222,9 @@ fn write(
             Ok(Work::End(tally)) => return writer.finish(&tally),
             Err(RecvTimeoutError::Timeout) => {}
             // The other thread gave up; what is here is kept.
-            Err(RecvTimeoutError::Disconnected) => return writer.flush(),
+            Err(RecvTimeoutError::Disconnected) => {
+                return writer.flush().map(|()| Summary::default());
+            }
         }
         if flushed.elapsed() >= FLUSH_PERIOD {
             // In lockstep the content decides where the file is flushed: its bytes repeat.

@@ -1,12 +1,13 @@
-//! Writing a recording.
+//! Writing a recording, also what is readable of a broken one.
 
+use crate::counter::Counter;
 use crate::definitions::{MESSAGE_ENCODING, SCHEMA_ENCODING};
-use crate::{Encoder, Metadata, Tally};
-use mcap::{Compression, McapError, WriteOptions};
+use crate::{Encoder, Metadata, Recording, Survey, Tally};
+use mcap::{Compression, McapError, Summary, WriteOptions};
 use messages::Topic;
 use runtime::Mode;
 use std::collections::BTreeMap;
-use std::io::{BufWriter, Seek, Write};
+use std::io::{self, BufWriter, Seek, Write};
 
 /// Uncompressed size of a chunk, the unit in which a file grows. A second brings less, so that a flush ends most of
 /// them. The writer keeps an index of every chunk, some 1.1 KiB, until the end.
@@ -73,7 +74,8 @@ impl<W: Write + Seek> Writer<W> {
             && log_time_ns >= flush_ns
         {
             self.inner.flush()?;
-            self.flush_ns = Some((log_time_ns / FLUSH_PERIOD_NS + 1) * FLUSH_PERIOD_NS);
+            self.flush_ns =
+                Some((log_time_ns / FLUSH_PERIOD_NS + 1).saturating_mul(FLUSH_PERIOD_NS));
         }
         let Self { inner, channels, encoder, .. } = self;
         encoder.encode(topic, log_time_ns, message, |mut head, payload| {
@@ -90,14 +92,49 @@ impl<W: Write + Seek> Writer<W> {
         self.inner.flush()
     }
 
-    /// Ends the recording with what was counted, the index and the summary.
+    /// Ends the recording with what was counted, the index and the summary, which it returns.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn finish(mut self, tally: &Tally) -> Result<(), McapError> {
+    pub fn finish(mut self, tally: &Tally) -> Result<Summary, McapError> {
         self.inner.write_metadata(&tally.to_record())?;
-        self.inner.finish()?;
+        let summary = self.inner.finish()?;
         self.inner.into_inner().flush()?;
-        Ok(())
+        Ok(summary)
     }
+}
+
+/// Writes what is readable of `recording` to `file` as a whole recording. Returns the content and the summary of the new
+/// file, and the damage of the old one.
+///
+/// # Errors
+/// If `file` cannot be written.
+pub fn recover<W: Write + Seek>(recording: &Recording, file: W) -> io::Result<(Survey, Summary)> {
+    rewrite(recording, file).map_err(|error| match error {
+        // The system's own reason: a full disk differs from a bad file.
+        McapError::Io(reason) => reason,
+        error => io::Error::other(error),
+    })
+}
+
+fn rewrite<W: Write + Seek>(
+    recording: &Recording,
+    file: W,
+) -> Result<(Survey, Summary), McapError> {
+    let metadata = recording.metadata();
+    // An older recording gets today's log times.
+    let metadata = Metadata { epoch_ns: metadata.started_unix_ns, ..metadata.clone() };
+    let mut writer = Writer::begin(file, &metadata)?;
+    let mut counter = Counter::default();
+    let mut end_ns = 0;
+    let mut records = recording.records();
+    for record in records.by_ref() {
+        writer.message(record.topic, record.log_time_ns, record.bytes())?;
+        counter.count(record.topic, record.bytes());
+        end_ns = end_ns.max(record.log_time_ns);
+    }
+    let tally = counter.tally();
+    let summary = writer.finish(&tally)?;
+    let damage = [recording.damage(), records.damage()].concat();
+    Ok((Survey { tally, end_ns, damage }, summary))
 }

@@ -2,7 +2,7 @@
 
 use super::{expect_another_file, is_being_recorded, open};
 use clap::Args;
-use recorder::{Recording, Survey};
+use recorder::{Recording, Summary, Survey};
 use report::print;
 use report::results::Document;
 use serde_json::json;
@@ -79,17 +79,17 @@ fn rewrite(broken: &Recording, out: Option<&Path>) -> Result<(PathBuf, recorder:
         // A partial file is useless.
         let _ = std::fs::remove_file(&part);
     });
-    let recovered = written.map_err(Error::path("write", &part))?;
+    let (recovered, summary) = written.map_err(Error::path("write", &part))?;
     if out.is_none() {
         let kept = with_suffix(place, "broken");
         std::fs::rename(place, &kept).map_err(Error::path("rename", place))?;
     }
     std::fs::rename(&part, place).map_err(Error::path("rename", &part))?;
-    recorder::bag::write_beside(place)?;
+    recorder::bag::write_beside(place, &summary)?;
     Ok((place.to_owned(), recovered.tally))
 }
 
-fn write(broken: &Recording, part: &Path) -> std::io::Result<Survey> {
+fn write(broken: &Recording, part: &Path) -> std::io::Result<(Survey, Summary)> {
     let file = File::create(part)?;
     let recovered = recorder::recover(broken, &file)?;
     file.sync_all()?;

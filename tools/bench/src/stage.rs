@@ -63,7 +63,7 @@ impl Peer {
 pub(crate) fn group_below(root: &RunRoot) -> Group {
     let strides = [1; messages::Service::ALL.len()];
     let timetable = Timetable { step_ns: 1_000_000, strides, last_step: u64::MAX };
-    root.group(Mode::Realtime, timetable, Vec::new(), Vec::new())
+    root.group(Mode::Realtime, timetable, Vec::new(), String::new())
 }
 
 /// The root, its page of words and the cores.

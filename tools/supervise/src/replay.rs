@@ -59,7 +59,7 @@ pub fn replay(
     let mut janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
     let signals = follow_signals(sender.clone())?;
-    let group = root.group(Mode::Lockstep, timetable, Vec::new(), scenario.to_bytes());
+    let group = root.group(Mode::Lockstep, timetable, Vec::new(), scenario.to_toml());
     let result = group
         .write()
         .and_then(|()| enroll_listener(root.prefix(), std::process::id()))

@@ -25,7 +25,6 @@ use crate::random::Random;
 use crate::vehicle::Vehicle;
 use road::Axis;
 
-/// Reflections of vehicles.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies {
     /// Mean cross section of a car's rear, m².
@@ -34,22 +33,17 @@ pub struct Bodies {
     pub lorry_m2: f64,
     /// Probability that a vehicle is missing from a scan, whatever its echoes are like.
     pub dropout_probability: f64,
-    /// Fluctuation of each place.
     pub fluctuation: Fluctuation,
     /// Factor on the power of what another vehicle hides; 1: nothing hides anything.
     pub hidden_factor: f64,
-    /// Echoes from under the body.
     pub under_body: UnderBody,
-    /// Mirror images in guard rails.
     pub rail: Rail,
     /// Places that reflect.
     pub numbers: Numbers,
 }
 
-/// Echoes from under the body.
 #[derive(Clone, Copy, Debug)]
 pub struct UnderBody {
-    /// Probability in a scan.
     pub probability: f64,
     /// Factor on the power of the rear's echo.
     pub factor: f64,
@@ -151,7 +145,6 @@ impl Sight<'_> {
         Some(echo)
     }
 
-    /// The later echo from under the body.
     fn under_body(&mut self, direct: &Echo) {
         let under = &self.bodies.under_body;
         if under.probability > 0.0 && self.random.uniform() < under.probability {

@@ -43,7 +43,6 @@ impl Turn {
 }
 
 impl Body {
-    /// The outline of the vehicle number `index`.
     pub(super) fn of(scene: &Scene, index: usize) -> Self {
         let vehicle = &scene.vehicles[index];
         let straight = |rear_m: f64, middle_m: f64, velocity_mps: (f64, f64)| Self {
@@ -73,7 +72,6 @@ impl Body {
         Self { turn: Some(turn), ..straight(rear_m, middle_m, pose.velocity_mps) }
     }
 
-    /// Any of it is ahead of the radar.
     pub(super) fn is_ahead(&self) -> bool {
         let Some(turn) = self.turn else { return self.front_m > 0.0 };
         let ahead = |along, across| turn.to_ego((along, across)).0 > 0.0;
@@ -190,12 +188,10 @@ pub(super) struct Outlines {
 const _: () = assert!(MAX_ACTORS <= u64::BITS as usize);
 
 impl Outlines {
-    /// Room for `count` vehicles.
     pub(super) fn with_room(count: usize) -> Self {
         Self { list: Vec::with_capacity(count), sectors: Box::new([0; SECTORS]) }
     }
 
-    /// Takes the vehicles of a scene.
     pub(super) fn take(&mut self, scene: &Scene) {
         self.list.clear();
         self.sectors.fill(0);

@@ -28,7 +28,6 @@ use super::scene::Scene;
 /// Echoes of one scan for which there is room before they merge.
 const ECHOES: usize = 4 * MAX_DETECTIONS;
 
-/// The radar.
 #[derive(Clone, Debug)]
 pub struct DetectionRadar {
     seed: u64,
@@ -43,14 +42,11 @@ pub struct DetectionRadar {
 }
 
 impl DetectionRadar {
-    /// The radar of a scenario.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         Self::with(scenario, &Numbers::DEFAULT)
     }
 
     /// The radar of a scenario with other numbers, for studies of their effect.
-    #[must_use]
     pub fn with(scenario: &Scenario, numbers: &Numbers) -> Self {
         let radar = &scenario.perception.radar;
         let keys = &radar.detections;
@@ -102,7 +98,6 @@ impl DetectionRadar {
     }
 
     /// The receiver, whose accuracy the tracker uses.
-    #[must_use]
     pub fn receiver(&self) -> &Receiver {
         &self.receiver
     }

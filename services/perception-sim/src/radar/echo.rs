@@ -35,9 +35,7 @@ pub struct Antenna {
     snr_at_reference: f64,
     /// Two-way loss exponent: 2^(-loss · azimuth²).
     loss_per_rad2: f64,
-    /// Half of the field of view, rad.
     pub half_field_of_view_rad: f64,
-    /// Farthest range, m.
     pub max_range_m: f64,
     /// A point farther to the side than this times its distance ahead is surely out of sight.
     beyond_sight: f64,
@@ -45,7 +43,6 @@ pub struct Antenna {
 
 impl Antenna {
     /// An antenna whose two-way gain is `edge_loss_db` less at the edge of its field of view.
-    #[must_use]
     pub fn new(
         snr_at_100_m_db: f64,
         edge_loss_db: f64,
@@ -66,7 +63,6 @@ impl Antenna {
 
     /// The echo of a point at (`x_m` ahead, `y_m` left); `None` out of sight. It moves relative to the antenna with
     /// (`vx_mps`, `vy_mps`). `area_m2` computes its cross section, if it is in sight.
-    #[must_use]
     pub fn echo(
         &self,
         (x_m, y_m): (f64, f64),
@@ -88,8 +84,6 @@ impl Antenna {
         Some(Echo { range_m, range_rate_mps, azimuth_rad, power, false_alarm: false })
     }
 
-    /// S/N of 1 m².
-    #[must_use]
     pub fn power_of_square_metre(&self, range_m: f64, azimuth_rad: f64) -> f64 {
         let near = REFERENCE_M / range_m.max(0.1);
         let square = near * near;
@@ -132,14 +126,10 @@ impl Fluctuation {
     }
 }
 
-/// A ratio from decibels.
-#[must_use]
 pub fn ratio(decibels: f64) -> f64 {
     libm::exp(0.1 * std::f64::consts::LN_10 * decibels)
 }
 
-/// Decibels from a ratio.
-#[must_use]
 pub fn decibels(ratio: f64) -> f64 {
     10.0 * std::f64::consts::LOG10_E * libm::log(ratio)
 }

@@ -30,7 +30,6 @@ pub struct Scan<'a> {
 
 impl<'a> Scan<'a> {
     /// Detections whose vehicles are not known.
-    #[must_use]
     pub fn of_echoes(detections: &'a [Detection]) -> Self {
         Self { detections, vehicles: &[] }
     }

@@ -19,17 +19,6 @@ use super::receiver::{Accuracy, Receiver};
 use super::scene::Scene;
 use crate::random::Random;
 
-/// One measurement of one vehicle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measurement {
-    /// Distance from the middle of the front bumper to the middle of the rear bumper, m.
-    pub range_m: f64,
-    /// Rate of the range, m/s, negative when closing.
-    pub range_rate_mps: f64,
-    /// Azimuth, rad, left positive.
-    pub azimuth_rad: f64,
-}
-
 /// Range and field of view.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
@@ -39,8 +28,6 @@ pub struct View {
 }
 
 impl View {
-    /// The view of a radar.
-    #[must_use]
     pub fn new(radar: &Radar) -> Self {
         let half_deg = 0.5 * radar.field_of_view_deg.value();
         Self {
@@ -54,7 +41,6 @@ impl View {
     }
 
     /// The middle of the rear of vehicle number `index` is in range and field of view.
-    #[must_use]
     pub fn shows(&self, scene: &Scene, index: usize) -> bool {
         let (dx, dy) = Self::place(scene, index);
         scene.vehicles[index].present
@@ -65,8 +51,7 @@ impl View {
 
     /// The exact measurement of vehicle number `index`, when it is visible. The range rate leaves out the lateral speed
     /// of a lane change. It is perpendicular to the line of sight within a few degrees.
-    #[must_use]
-    pub fn measure(&self, scene: &Scene, index: usize) -> Option<Measurement> {
+    pub fn measure(&self, scene: &Scene, index: usize) -> Option<Detection> {
         if !self.shows(scene, index) {
             return None;
         }
@@ -79,7 +64,8 @@ impl View {
             }
             _ => (scene.vehicles[index].speed_mps - scene.ego.speed_mps) * dx / range_m,
         };
-        Some(Measurement { range_m, range_rate_mps, azimuth_rad: libm::atan2(dy, dx) })
+        let azimuth_rad = libm::atan2(dy, dx);
+        Some(Detection { range_m, range_rate_mps, azimuth_rad, ..Detection::zeroed() })
     }
 
     /// The middle of a vehicle's rear in the ego's axes, m.
@@ -99,14 +85,11 @@ pub struct ObjectListRadar {
     receiver: Receiver,
     dropout_probability: f64,
     noise: Vec<Random>,
-    /// The last scan.
     detections: Vec<Detection>,
     vehicles: Vec<usize>,
 }
 
 impl ObjectListRadar {
-    /// The radar of a scenario.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         let radar = &scenario.perception.radar;
         let seed = scenario.seed.value();
@@ -131,46 +114,30 @@ impl ObjectListRadar {
     }
 
     /// Its accuracy. It resolves all vehicles, and no signal-to-noise ratio changes its errors.
-    #[must_use]
     pub fn receiver(&self) -> &Receiver {
         &self.receiver
     }
 
-    /// Takes one scan of a scene.
     pub fn scan(&mut self, scene: &Scene) -> Scan<'_> {
         self.detections.clear();
         self.vehicles.clear();
         let Receiver { range, range_rate, azimuth, .. } = self.receiver;
         for (vehicle, random) in self.noise.iter_mut().enumerate() {
-            let noise = Noise::draw(random);
+            let (first, second) = random.normal_pair();
+            let (third, _) = random.normal_pair();
+            let uniform = random.uniform();
             let Some(exact) = self.view.measure(scene, vehicle) else { continue };
-            if noise.uniform >= self.dropout_probability {
+            if uniform >= self.dropout_probability {
                 self.vehicles.push(vehicle);
                 self.detections.push(Detection {
-                    range_m: (exact.range_m + range.floor * noise.gaussian[0]).max(0.0),
-                    range_rate_mps: exact.range_rate_mps + range_rate.floor * noise.gaussian[1],
-                    azimuth_rad: exact.azimuth_rad + azimuth.floor * noise.gaussian[2],
-                    ..Detection::zeroed()
+                    range_m: (exact.range_m + range.floor * first).max(0.0),
+                    range_rate_mps: exact.range_rate_mps + range_rate.floor * second,
+                    azimuth_rad: exact.azimuth_rad + azimuth.floor * third,
+                    ..exact
                 });
             }
         }
         Scan { detections: &self.detections, vehicles: &self.vehicles }
-    }
-}
-
-/// The random part of one measurement.
-struct Noise {
-    /// Independent standard normal numbers.
-    gaussian: [f64; 3],
-    /// Uniform in [0, 1).
-    uniform: f64,
-}
-
-impl Noise {
-    fn draw(random: &mut Random) -> Self {
-        let (first, second) = random.normal_pair();
-        let (third, _) = random.normal_pair();
-        Self { gaussian: [first, second, third], uniform: random.uniform() }
     }
 }
 

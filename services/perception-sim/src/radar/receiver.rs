@@ -38,7 +38,6 @@ pub struct Echoes {
 
 impl Echoes {
     /// Room for `capacity` echoes.
-    #[must_use]
     pub fn new(capacity: usize, numbers: &Numbers) -> Self {
         let least_power = numbers.least_power;
         Self { list: Vec::with_capacity(capacity), capacity, least_power, left_out: 0 }
@@ -62,8 +61,6 @@ impl Echoes {
         self.left_out = 0;
     }
 
-    /// The echoes.
-    #[must_use]
     pub fn list(&self) -> &[Echo] {
         &self.list
     }
@@ -80,17 +77,14 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// Variance of a measurement at a signal-to-noise ratio.
-    #[must_use]
     pub fn variance(&self, snr: f64) -> f64 {
         let tone = TONE * self.resolution;
         self.floor * self.floor + tone * tone / snr
     }
 }
 
-/// The receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct Receiver {
-    /// Accuracy of the range, m.
     pub range: Accuracy,
     /// Accuracy of the range rate, m/s.
     pub range_rate: Accuracy,
@@ -100,9 +94,7 @@ pub struct Receiver {
     pub merges: bool,
     /// Threshold over the noise, as a ratio.
     pub threshold: f64,
-    /// Mean number of false alarms in a scan.
     pub false_alarms: f64,
-    /// Numbers of its noise.
     pub numbers: Numbers,
 }
 
@@ -245,7 +237,6 @@ fn detected(echo: &Echo, threshold: f64, random: &mut Random) -> Option<f64> {
 }
 
 /// Signal-to-noise ratio of a detection.
-#[must_use]
 pub fn snr_of(detection: &Detection) -> f64 {
     ratio(detection.snr_db)
 }

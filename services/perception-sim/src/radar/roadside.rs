@@ -18,7 +18,6 @@ const STREAM: u64 = 1 << 20;
 /// Least distance of an object from the lanes, m. Chosen: that of a post from the edge of a narrow hard strip.
 const CLEAR_M: f64 = 1.0;
 
-/// Reflections of the roadside.
 #[derive(Clone, Copy, Debug)]
 pub struct Roadside {
     /// Objects on each side of a kilometre; 0: none.

@@ -9,18 +9,15 @@ use crate::vehicle::Vehicle;
 pub struct Ego {
     /// Position of the front bumper along the road, m.
     pub position_m: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
-    /// Acceleration, m/s².
     pub acceleration_mps2: f64,
 }
 
-/// The ego and the other vehicles at one instant. `clone_from` keeps its room: a loop does not allocate.
-#[derive(Debug, Default, PartialEq)]
+/// The ego and the other vehicles at one instant.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// When, ns since the start of the run; before it: negative.
     pub time_ns: i64,
-    /// The ego as it truly is.
     pub ego: Ego,
     /// The ego by its odometry; `None` without usable odometry.
     pub told: Option<Ego>,
@@ -43,10 +40,9 @@ pub struct PlaneEgo {
     pub told_yaw_rate_radps: Option<f64>,
 }
 
-/// The scene in the plane. `clone_from` keeps its room.
-#[derive(Debug, Default, PartialEq)]
+/// The scene in the plane.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plane {
-    /// The ego.
     pub ego: PlaneEgo,
     /// The other vehicles before it, in the scene's order.
     pub bodies: Vec<Standing>,
@@ -63,9 +59,7 @@ pub struct Standing {
     pub rear_m: (f64, f64),
     /// Cosine of the body's heading in the ego's axes.
     pub cosine: f64,
-    /// Sine of it.
     pub sine: f64,
-    /// Yaw rate, rad/s.
     pub yaw_rate_radps: f64,
     /// Velocity of the rear's middle relative to the ego's bumper, in the ego's axes, m/s.
     pub velocity_mps: (f64, f64),
@@ -79,20 +73,16 @@ pub(super) struct Place {
     /// Cosine and sine of the road's heading there, in the ego's axes.
     pub(super) cosine: f64,
     pub(super) sine: f64,
-    /// Curvature of the road there, 1/m.
     pub(super) curvature_perm: f64,
 }
 
 impl Plane {
-    /// Vehicles on a road, before an ego.
-    #[must_use]
     pub fn new(road: &Axis, ego: PlaneEgo, vehicles: &[Vehicle]) -> Self {
         let mut plane = Self::default();
         plane.place(road, ego, vehicles);
         plane
     }
 
-    /// Places vehicles anew.
     fn place(&mut self, road: &Axis, ego: PlaneEgo, vehicles: &[Vehicle]) {
         let (sine, cosine) = libm::sincos(ego.pose.heading_rad);
         (self.ego, self.heading) = (ego, (cosine, sine));
@@ -188,34 +178,8 @@ fn turned(ego: &PlaneEgo, place: Place, vehicle: &Vehicle) -> Standing {
     }
 }
 
-impl Clone for Plane {
-    fn clone(&self) -> Self {
-        let Self { ego, ref bodies, is_line, heading } = *self;
-        Self { ego, bodies: bodies.clone(), is_line, heading }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        (self.ego, self.is_line, self.heading) = (source.ego, source.is_line, source.heading);
-        self.bodies.clone_from(&source.bodies);
-    }
-}
-
-impl Clone for Scene {
-    fn clone(&self) -> Self {
-        let Self { time_ns, ego, told, ref vehicles, ref plane } = *self;
-        Self { time_ns, ego, told, vehicles: vehicles.clone(), plane: plane.clone() }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        (self.time_ns, self.ego, self.told) = (source.time_ns, source.ego, source.told);
-        self.vehicles.clone_from(&source.vehicles);
-        self.plane.clone_from(&source.plane);
-    }
-}
-
 impl Scene {
     /// The scene of some vehicles.
-    #[must_use]
     pub fn new(time_ns: i64, ego: Ego, vehicles: &[Vehicle]) -> Self {
         Self { time_ns, ego, told: Some(ego), vehicles: vehicles.to_vec(), plane: None }
     }
@@ -227,8 +191,20 @@ impl Scene {
         Self { vehicles: Vec::with_capacity(count), plane, ..Self::default() }
     }
 
+    /// Becomes the same as another scene. It keeps its room: a loop does not allocate.
+    pub(crate) fn copy(&mut self, source: &Self) {
+        (self.time_ns, self.ego, self.told) = (source.time_ns, source.ego, source.told);
+        self.vehicles.clone_from(&source.vehicles);
+        match (&mut self.plane, &source.plane) {
+            (Some(own), Some(plane)) => {
+                (own.ego, own.is_line, own.heading) = (plane.ego, plane.is_line, plane.heading);
+                own.bodies.clone_from(&plane.bodies);
+            }
+            (own, plane) => own.clone_from(plane),
+        }
+    }
+
     /// The same on a road in the plane.
-    #[must_use]
     pub fn on(mut self, road: &Axis, ego: PlaneEgo) -> Self {
         self.stand_on(road, ego);
         self
@@ -240,7 +216,6 @@ impl Scene {
     }
 
     /// The scene `back_ns` earlier, if all had kept the present speed and their distance from the axis of `road`.
-    #[must_use]
     pub fn earlier(&self, back_ns: i64, road: Option<&Axis>) -> Self {
         let mut scene = Self::default();
         self.write_earlier(back_ns, road, &mut scene);

@@ -1,12 +1,13 @@
 //! True tracks, to judge laws without a sensor's errors. Range and field
 //! of view still bound what is seen.
 
+use messages::Detection;
 use scenario::Scenario;
 
 use super::list::{Track, TrackList};
 use super::numbers::Numbers;
 use super::path::{Across, Membership, PathLimits};
-use crate::radar::object_list::{Measurement, View};
+use crate::radar::object_list::View;
 use crate::radar::scene::Scene;
 use crate::vehicle::Vehicle;
 
@@ -66,7 +67,7 @@ impl ExactTracker {
 fn entry(
     id: u32,
     in_path: bool,
-    measurement: &Measurement,
+    measurement: &Detection,
     scene: &Scene,
     vehicle: &Vehicle,
 ) -> Track {

@@ -55,7 +55,7 @@ pub(crate) mod tests {
                 standby: Vec::new(),
                 timetable: Timetable { step_ns: 1, strides: [1; Service::ALL.len()], last_step: 1 },
                 patience_ns: 1,
-                scenario: Vec::new(),
+                scenario: String::new(),
             })
         }
     }

@@ -105,7 +105,7 @@ impl InProcess {
             standby: Vec::new(),
             patience_ns: PATIENCE_NS,
             // Each service gets it as a value.
-            scenario: Vec::new(),
+            scenario: String::new(),
         };
         Self { bus: Rc::new(Bus::new(&timetable, sealing)), group, members: Vec::new() }
     }

@@ -19,8 +19,8 @@ pub struct Group {
     pub standby: Vec<Service>,
     /// Wall time after which a wait for a due sample gives up in lockstep, ns.
     pub patience_ns: i64,
-    /// The effective scenario in its binary form ([`Scenario::to_bytes`]); empty for a run without one.
-    pub scenario: Vec<u8>,
+    /// The effective scenario as a text ([`Scenario::to_toml`]); empty for a run without one.
+    pub scenario: String,
 }
 
 impl Group {
@@ -32,7 +32,7 @@ impl Group {
     /// # Errors
     /// [`RuntimeError::Scenario`] if the group has none, or one of another version of the program.
     pub fn scenario(&self) -> Result<Scenario, RuntimeError> {
-        Ok(Scenario::from_bytes(&self.scenario)?)
+        Ok(Scenario::of_run(&self.scenario)?)
     }
 
     /// Reads the group file below `root`.
@@ -68,13 +68,13 @@ mod tests {
             timetable: Timetable::of(&scenario),
             standby: vec![Service::Controller],
             patience_ns: 7,
-            scenario: scenario.to_bytes(),
+            scenario: scenario.to_toml(),
         };
         group.write().expect("ours");
         let read = Group::read(&root).expect("it is there");
         assert_eq!(read, group);
         assert_eq!(read.scenario().expect("a scenario"), scenario);
-        let none = Group { scenario: Vec::new(), ..group };
+        let none = Group { scenario: String::new(), ..group };
         assert!(matches!(none.scenario(), Err(RuntimeError::Scenario(_))));
         std::fs::write(root.join(Group::FILE), [0xff; 9]).expect("ours");
         assert!(matches!(Group::read(&root), Err(RuntimeError::Setup(..))));

@@ -273,7 +273,7 @@ pub(super) mod tests {
                 standby: standby.to_vec(),
                 timetable: Timetable { step_ns: 1, strides: [1; Service::ALL.len()], last_step: 1 },
                 patience_ns: 1,
-                scenario: Vec::new(),
+                scenario: String::new(),
             })
         }
 

@@ -68,15 +68,15 @@ impl<'a> Document<'a> {
         text: &'a str,
         overrides: &'a Overrides,
     ) -> Result<Self, ScenarioError> {
-        Self::new(Origin::Text { source, text }, Self::root_of(source, text)?, overrides)
-    }
-
-    pub(crate) fn root_of(source: &str, text: &str) -> Result<Table, ScenarioError> {
         if text.len() > MAX_TEXT_BYTES {
             let message = format!("the text has {} bytes", text.len());
             return Err(ScenarioError::whole(source, message)
                 .expecting(format!("at most {MAX_TEXT_BYTES} bytes")));
         }
+        Self::new(Origin::Text { source, text }, Self::root_of(source, text)?, overrides)
+    }
+
+    pub(crate) fn root_of(source: &str, text: &str) -> Result<Table, ScenarioError> {
         toml::from_str(text).map_err(|error| {
             let span = error.span().unwrap_or(0..0);
             let found = text.get(span.clone()).unwrap_or_default();

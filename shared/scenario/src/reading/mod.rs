@@ -7,7 +7,6 @@
 //!                              Problem: a path ─► place in the text (document) ─► ScenarioError (error)
 //! ```
 
-mod bytes;
 mod document;
 mod error;
 mod foreign;

@@ -44,6 +44,18 @@ impl Scenario {
         Self::of_document(&document, Place::TakenEffect, check)
     }
 
+    /// Reads what [`Scenario::to_toml`] wrote, in another process of the run. The content of its files makes a text longer
+    /// than any that a person writes.
+    ///
+    /// # Errors
+    /// When the text comes from another version of the program.
+    pub fn of_run(text: &str) -> Result<Self, ScenarioError> {
+        let (source, none) = ("scenario", Overrides::new());
+        let root = Document::root_of(source, text)?;
+        let document = Document::new(Origin::Text { source, text }, root, &none)?;
+        Self::of_document(&document, Place::TakenEffect, &|_| Ok(Reads::everything()))
+    }
+
     /// The scenario that has these settings, with `overrides` laid over them. Other keys have their defaults.
     ///
     /// # Errors

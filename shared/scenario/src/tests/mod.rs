@@ -8,6 +8,7 @@ use crate::reading::Place;
 mod files;
 mod overrides;
 mod refusals;
+mod run;
 
 const SHORT: &str = "schema_version = 1\nname = \"short\"\n";
 

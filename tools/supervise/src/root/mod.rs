@@ -70,7 +70,7 @@ impl RunRoot {
         mode: Mode,
         timetable: Timetable,
         standby: Vec<Service>,
-        scenario: Vec<u8>,
+        scenario: String,
     ) -> Group {
         let (root, prefix) = (self.path.clone(), self.prefix.clone());
         let patience_ns = 10_000_000_000;

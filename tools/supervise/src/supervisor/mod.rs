@@ -60,7 +60,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     let signals = follow_signals(sender.clone())?;
     control::listen(root.path(), sender.clone())?;
     let is_replaced = launch.programs.contains_key(&Service::Controller);
-    let scenario = for_services(&launch.scenario, is_replaced).to_bytes();
+    let scenario = for_services(&launch.scenario, is_replaced).to_toml();
     let group = root.group(launch.mode, timetable, standby, scenario);
     let mut supervisor = Supervisor {
         launch: &launch,

@@ -35,13 +35,12 @@ fn a_spiral_has_the_curvatures_of_its_neighbours() {
 }
 
 #[test]
-fn a_plan_survives_the_way_through_text_and_bytes() {
+fn a_plan_survives_the_way_through_text() {
     let rest = S_BEND.to_owned()
         + "start = { x_m = 5, y_m = -3, heading_deg = 30 }\nlanes = { left = 0, right = 2 }\n\
            [plant.lateral]\nmodel = \"on-axis\"\n[perception.course]\nsources = []\n\
            [controller.curve_speed]\nenabled = false\ncomfort_mps2 = { slow = 3 }\n";
     let scenario = opened(&rest);
-    assert_eq!(Scenario::from_bytes(&scenario.to_bytes()).as_ref(), Ok(&scenario));
     let again = Scenario::parse("again.toml", &scenario.to_toml()).expect("what took effect");
     assert_eq!(again, scenario);
     assert_eq!(again.controller.curve_speed.comfort_mps2.fast.value(), 2.0);
