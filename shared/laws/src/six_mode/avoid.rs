@@ -27,17 +27,12 @@
 use super::modes::Situation;
 use super::parameters::Parameters;
 use law::Ego;
+use law::following::comfortable_jerk_mps3;
 use law::following::kinematics::{Lag, Motion};
 use law::following::safe_gap::{LeadNow, SafeGap};
 
 /// Lag of the vehicle's acceleration that the law assumes, s.
 pub(super) const LAG_S: f64 = 0.5;
-/// Speeds between which ISO 15622's limit of the jerk falls, m/s, and its values there, m/s³.
-const JERK_SPEEDS_MPS: (f64, f64) = (5.0, 20.0);
-const JERKS_MPS3: (f64, f64) = (5.0, 2.5);
-/// Share of that limit which is used: the limit holds for the vehicle, behind the request.
-const JERK_SHARE: f64 = 0.9;
-
 /// Way beyond R0 that gentle braking must leave, m. Chosen: gentle stops behind a lead that brakes with 2.5 m/s² end
 /// 0.1 m nearer than they are planned.
 const GENTLE_RESERVE_M: f64 = 0.5;
@@ -118,13 +113,6 @@ impl<'a> Behind<'a> {
         let bounds = (-self.p.braking_mps2, -self.p.approach_limit_mps2);
         SafeGap::new(Lag { tau_s: LAG_S }, time_s, bounds, least_m, self.p.lead_braking_mps2)
     }
-}
-
-/// Fall of the request that passengers do not mind, m/s³.
-fn comfortable_jerk_mps3(speed_mps: f64) -> f64 {
-    let (slow, fast) = JERK_SPEEDS_MPS;
-    let share = ((speed_mps - slow) / (fast - slow)).clamp(0.0, 1.0);
-    JERK_SHARE * (JERKS_MPS3.0 + share * (JERKS_MPS3.1 - JERKS_MPS3.0))
 }
 
 #[cfg(test)]

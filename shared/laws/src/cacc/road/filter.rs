@@ -11,7 +11,9 @@
 //! must leave one way open. The vehicle can still stop, or it crosses before red. A request above 0 then goes on, up to
 //! the speed that is safe behind the lead at the line; a deceleration dies away.
 
+use super::reference::SPARE_M;
 use crate::cacc::config::Config;
+use law::following::comfortable_jerk_mps3;
 use law::following::kinematics::{Lag, Motion};
 use law::following::parameters::FOLLOWING;
 use law::following::safe_gap::{CHECK_S, HALVINGS, LeadNow, SafeGap, bisect};
@@ -105,24 +107,32 @@ impl Filter {
         gate.crossing().is_some_and(|crossing| self.has_room(request, ego, lead, &crossing))
     }
 
-    /// True if braking with a constant `request` from now on is enough. It must stop before each closed line, and
-    /// behind a lead that keeps its present motion.
-    pub(super) fn suffices(
-        &self,
-        request: f64,
-        ego: Motion,
-        lead: Option<&LeadNow>,
-        gates: &[Gate],
-    ) -> bool {
+    /// The hardest request from `acceleration_mps2` on while braking with `enough_mps2` is enough, m/s². The jerk is
+    /// comfortable while the comfortable braking is enough. The less braking is in reserve, the less comfort counts.
+    pub(super) fn hardest_mps2(&self, enough_mps2: f64, ego: Motion) -> f64 {
+        let SafeGap { min_mps2, comfort_mps2, lag, .. } = self.safe;
+        let jerk_mps3 = comfortable_jerk_mps3(ego.speed_mps);
+        let comfortable_mps2 = ego.acceleration_mps2 - lag.tau_s * jerk_mps3;
+        let used = (enough_mps2 - comfort_mps2) / (min_mps2 - comfort_mps2);
+        let bound_mps2 = comfortable_mps2 + used * (min_mps2 - comfortable_mps2);
+        bound_mps2.max(enough_mps2)
+    }
+
+    /// The gentlest constant braking from now on that is enough, m/s²; the comfortable one at least, the hardest if none
+    /// is. It stops before each closed line, and stays behind a lead that keeps its present motion.
+    pub(super) fn enough_mps2(&self, ego: Motion, lead: Option<&LeadNow>, gates: &[Gate]) -> f64 {
         let ego = Motion { position_m: 0.0, ..ego };
-        let rest = self.safe.lag.stop(ego, request).distance_m;
-        let stops =
-            gates.iter().all(|gate| gate.pass.is_some() || rest <= gate.distance_m - LINE_MARGIN_M);
-        stops
-            && lead.is_none_or(|lead| {
-                let now = lead.braking_mps2();
-                self.safe.margin_m(ego, 0.0, |_| request, lead, now) >= 0.0
-            })
+        self.safe.lower(self.safe.comfort_mps2, |request| {
+            let rest = self.safe.lag.stop(ego, request).distance_m;
+            let before = |gate: &Gate| rest <= gate.distance_m - LINE_MARGIN_M;
+            gates.iter().all(|gate| gate.pass.is_some() || before(gate))
+                && lead.is_none_or(|lead| {
+                    // Noise of the gap must not use up the last of it. A closer gap leaves less to keep.
+                    let spare_m = SPARE_M.min(0.5 * (lead.gap_m - self.safe.min_gap_m).max(0.0));
+                    let now = lead.braking_mps2();
+                    self.safe.margin_m(ego, 0.0, |_| request, lead, now) >= spare_m
+                })
+        })
     }
 
     fn pass(&self, u: f64, ego: Motion, lead: Option<&LeadNow>, crossing: &Crossing) -> f64 {

@@ -57,10 +57,12 @@ impl RoadLaw {
         }
         let wanted = output.request_mps2();
         let (gates, count) = self.gates(input, seen, choice, filter);
-        // Nothing calls for more than the comfort bound as long as it is enough.
+        // Nothing calls for more than the comfort bound. Where more is needed, exactly that is asked for: less now would
+        // take more at the end.
         let comfort = -self.config.road.comfort_deceleration_mps2;
-        let enough = filter.suffices(comfort, seen.ego, seen.lead.as_ref(), &gates[..count]);
-        let tempered = if enough { wanted.max(comfort) } else { wanted };
+        let enough = filter.enough_mps2(seen.ego, seen.lead.as_ref(), &gates[..count]);
+        let needed = if enough < comfort { wanted.min(enough) } else { wanted };
+        let tempered = needed.max(filter.hardest_mps2(enough, seen.begin));
         let mut safe = filter.apply(tempered, seen.ego, seen.lead.as_ref(), &gates[..count]);
         let stop = gates[..count].first().filter(|gate| gate.pass.is_none());
         let line_m = stop.map_or(f64::INFINITY, |gate| gate.distance_m);

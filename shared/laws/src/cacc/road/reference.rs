@@ -115,7 +115,7 @@ impl Reference {
 }
 
 /// Gap that is kept beyond the safe one, m: the noise of the radar.
-const SPARE_M: f64 = 1.0;
+pub(super) const SPARE_M: f64 = 1.0;
 
 impl Scene<'_> {
     /// The time headway, or the safe gap if that is larger.
