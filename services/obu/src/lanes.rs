@@ -55,42 +55,36 @@ pub fn stop_lines(
     path: &Path,
     numbers: &Numbers,
 ) -> Vec<StopLine> {
-    let line = |lane| stop_line(lane, geometry, path, numbers.same_way_cos);
-    let mut lines: Vec<StopLine> = geometry.lanes.iter().filter_map(line).collect();
-    lines.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
-    lines
-}
-
-fn stop_line(
-    lane: &Lane,
-    geometry: &IntersectionGeometry,
-    path: &Path,
-    same_way_cos: f64,
-) -> Option<StopLine> {
-    let Approach::Ingress(_) = lane.approach else { return None };
+    let reference = path.plane.point(geometry.reference);
+    let half_m = geometry.lane_width_cm.map_or(HALF_WIDTH_M, |cm| f64::from(cm) / 200.0);
     let metres = |(east, north): (i16, i16)| {
         path.plane.from_earth((f64::from(east) / 100.0, f64::from(north) / 100.0))
     };
-    let [first, second, ..] = lane.nodes[..] else { return None };
-    let ((to_line_m, to_left_m), (away_x, away_y)) = (metres(first), metres(second));
-    let reference = path.plane.point(geometry.reference);
-    let half_m = geometry.lane_width_cm.map_or(HALF_WIDTH_M, |cm| f64::from(cm) / 200.0);
     let placed = |(x_m, y_m): (f64, f64)| path.place(reference.0 + x_m, reference.1 + y_m);
-    let ((along_m, left_m), (cosine, sine)) = placed((to_line_m, to_left_m));
-    let away_m = libm::hypot(away_x, away_y);
-    let away_x = away_x * cosine + away_y * sine;
-    // Nodes lead away from the stop line, the vehicle drives towards it.
-    if -away_x <= same_way_cos * away_m || left_m.abs() > half_m {
-        return None;
-    }
     let leads_on = |connection: &&Connection| {
         let exit = geometry.lanes.iter().find(|other| other.id == connection.lane);
         let exit = exit.and_then(|exit| exit.nodes.first());
         exit.is_some_and(|node| placed(metres(*node)).0.1.abs() <= half_m)
     };
-    let is_straight =
-        |connection: &&Connection| connection.maneuver.unwrap_or(lane.maneuvers) & STRAIGHT != 0;
-    let onward = path.axis.as_ref().and_then(|_| lane.connections.iter().find(leads_on));
-    let straight = onward.or_else(|| lane.connections.iter().find(is_straight))?;
-    Some(StopLine { signal_group: straight.signal_group?, position_m: along_m })
+    let line = |lane: &Lane| {
+        let Approach::Ingress(_) = lane.approach else { return None };
+        let [first, second, ..] = lane.nodes[..] else { return None };
+        let ((position_m, left_m), (cosine, sine)) = placed(metres(first));
+        let (away_x, away_y) = metres(second);
+        let along_m = away_x * cosine + away_y * sine;
+        // Nodes lead away from the stop line, the vehicle drives towards it.
+        let is_same_way = -along_m > numbers.same_way_cos * libm::hypot(away_x, away_y);
+        if !is_same_way || left_m.abs() > half_m {
+            return None;
+        }
+        let is_straight = |connection: &&Connection| {
+            connection.maneuver.unwrap_or(lane.maneuvers) & STRAIGHT != 0
+        };
+        let onward = path.axis.as_ref().and_then(|_| lane.connections.iter().find(leads_on));
+        let straight = onward.or_else(|| lane.connections.iter().find(is_straight))?;
+        Some(StopLine { signal_group: straight.signal_group?, position_m })
+    };
+    let mut lines: Vec<StopLine> = geometry.lanes.iter().filter_map(line).collect();
+    lines.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
+    lines
 }

@@ -21,7 +21,7 @@ pub use hosted::{Hosted, HostedError, ProgramReport};
 pub use input::{
     Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, Powertrain, SignalAhead, Target,
 };
-pub use output::{MAX_FIGURES, MAX_PLAN, Output, Quality};
+pub use output::{MAX_FIGURES, MAX_PLAN, ModeMemory, Output, Quality};
 pub use planning::{MAX_SEGMENTS, Plan, PlanRequest, Planner, Planning, Segment};
 pub use preview::{MAX_CELLS, Preview};
 pub use profile::{RESPONSE_S, SpeedProfile};

@@ -87,6 +87,28 @@ impl Output {
     }
 }
 
+/// The mode of the last step, and the reason of its last change.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ModeMemory {
+    mode: Option<u32>,
+    reason: u32,
+}
+
+impl ModeMemory {
+    /// Notes the mode of this step and shows it. `reason` gives the reason of a change from the mode before.
+    pub fn note(&mut self, output: &mut Output, mode: u32, reason: impl FnOnce(u32) -> u32) {
+        if let Some(before) = self.mode.replace(mode).filter(|&before| before != mode) {
+            self.reason = reason(before);
+        }
+        self.show(output);
+    }
+
+    /// Shows the mode of the last step, 0 before the first.
+    pub fn show(&self, output: &mut Output) {
+        (output.mode, output.mode_reason) = (self.mode.unwrap_or(0), self.reason);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

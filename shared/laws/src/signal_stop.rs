@@ -28,7 +28,9 @@ use law::following::driver::{Driver, Obstacle};
 use law::following::kinematics::{Lag, Motion};
 use law::following::soft_stop::{Room, soften};
 use law::settings::{Settings, Table};
-use law::{Descriptor, Figure, Formulation, GapPolicy, Input, Law, Output, Phase, SignalAhead};
+use law::{
+    Descriptor, Figure, Formulation, GapPolicy, Input, Law, ModeMemory, Output, Phase, SignalAhead,
+};
 use parameters::parameters;
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -118,8 +120,7 @@ struct StoppingLaw {
     driver: Driver,
     lag: Lag,
     watched: Option<Watched>,
-    mode: Option<u32>,
-    reason: u32,
+    mode: ModeMemory,
 }
 
 impl StoppingLaw {
@@ -131,7 +132,7 @@ impl StoppingLaw {
             hardest_mps2: -config.min_request_mps2,
         };
         let lag = Lag { tau_s: config.model_time_constant_s };
-        Self { acc, settings, driver, lag, watched: None, mode: None, reason: 0 }
+        Self { acc, settings, driver, lag, watched: None, mode: ModeMemory::default() }
     }
 
     /// Watches the nearest signal in sight; returns the distance to its line if it is to be stopped at.
@@ -188,21 +189,12 @@ impl StoppingLaw {
         let room = Room { wanted_m: line_m - LINE_ROOM_M, spare_m: 0.0 };
         soften(request, ego, self.lag.tau_s, room).min(follow_mps2)
     }
-
-    fn note(&mut self, output: &mut Output, mode: u32) {
-        if self.mode.is_some_and(|before| before != mode) {
-            self.reason = mode + 1;
-        }
-        self.mode = Some(mode);
-        output.mode = mode;
-        output.mode_reason = self.reason;
-    }
 }
 
 impl Law for StoppingLaw {
     fn reset(&mut self) {
         self.acc.reset();
-        (self.watched, self.mode, self.reason) = (None, None, 0);
+        (self.watched, self.mode) = (None, ModeMemory::default());
     }
 
     fn step(&mut self, input: &Input, output: &mut Output) {
@@ -226,7 +218,7 @@ impl Law for StoppingLaw {
             (None, Some(_)) => 1,
             (None, None) => 0,
         };
-        self.note(output, mode);
+        self.mode.note(output, mode, |_| mode + 1);
     }
 
     fn request_bounds_mps2(&self) -> (f64, f64) {

@@ -5,8 +5,10 @@ use messages::level::LevelLog;
 use messages::{Origin, Service};
 use runtime::{Checkpoint, Figures, Group, Runtime, RuntimeError};
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 
 use super::Plant;
+use super::control::Control;
 use crate::brake::{self, Braking};
 use crate::chains::{BRAKE_PATH, CONTROL_PATH, Chains};
 use crate::referee::Referee;
@@ -37,52 +39,50 @@ pub(super) struct Snapshot<R = Referee, L = LevelLog> {
 /// with it.
 pub fn last_known(group: &Group) -> Option<PlantReport> {
     let kept: Snapshot = Checkpoint::last(group, Service::Plant)?;
-    let counts = Figures::of(group, Service::Plant);
-    let times = || -> Result<PlantReport, RuntimeError> {
-        let figures = &counts;
-        // Late chains were counted.
-        let chains = |path| Chains::open(i64::MAX, path, figures);
-        let brake = chains(BRAKE_PATH)?;
-        Ok(times(&chains(CONTROL_PATH)?, Some(&brake), &SignalChain::open(figures)?))
-    };
-    Some(PlantReport {
-        outcome: kept.referee.outcome().unwrap_or(Outcome::Aborted),
-        duration_s: kept.time_s,
-        control: kept.referee.figures().clone(),
-        aebs: kept.braking.map(|braking| braking.figures),
-        undelivered_commands: kept.undelivered,
-        ..counted(times().unwrap_or_default(), &kept.timeliness, &kept.levels)
-    })
+    let figures = Figures::of(group, Service::Plant);
+    // Late chains were counted.
+    let chains = |path| Chains::open(i64::MAX, path, &figures).ok();
+    let (control, brake) = (chains(CONTROL_PATH)?, chains(BRAKE_PATH)?);
+    let signals = SignalChain::open(&figures).ok()?;
+    Some(kept.report(Outcome::Aborted, &control, Some(&brake), &signals))
 }
 
-fn times(control: &Chains, brake: Option<&Chains>, signals: &SignalChain) -> PlantReport {
-    let mut histograms = control.histograms();
-    histograms.extend(signals.histograms());
-    PlantReport {
-        reaction_time_us: control.times.reaction.percentiles_us(),
-        data_age_us: control.times.age.percentiles_us(),
-        designed_wait_us: control.times.designed_wait.percentiles_us(),
-        net_reaction_us: control.times.net_reaction.percentiles_us(),
-        hops_us: control.hops_us(),
-        worst_chains: control.worst.chains.clone(),
-        late_reactions: control.times.late.get(),
-        brake_reaction_time_us: brake.and_then(|brake| brake.times.reaction.percentiles_us()),
-        brake_hops_us: brake.map_or_else(Hops::default, Chains::hops_us),
-        signal_reaction_us: signals.whole.percentiles_us(),
-        signal_hops_us: signals.hops_us(),
-        histograms,
-        ..PlantReport::default()
-    }
-}
-
-fn counted(report: PlantReport, timeliness: &Timeliness, levels: &LevelLog) -> PlantReport {
-    PlantReport {
-        rungs: levels.report(),
-        max_command_gap_us: (timeliness.longest_gap_ns > 0)
-            .then_some(timeliness.longest_gap_ns as f64 / 1e3),
-        commands_due: timeliness.due,
-        commands_missed: timeliness.missed,
-        ..report
+impl<R: Borrow<Referee>, L: Borrow<LevelLog>> Snapshot<R, L> {
+    /// The figures of this state and of its chains. A run without a violation ended as `undisturbed`.
+    fn report(
+        &self,
+        undisturbed: Outcome,
+        control: &Chains,
+        brake: Option<&Chains>,
+        signals: &SignalChain,
+    ) -> PlantReport {
+        let (referee, timeliness) = (self.referee.borrow(), &self.timeliness);
+        let mut histograms = control.histograms();
+        histograms.extend(signals.histograms());
+        PlantReport {
+            outcome: referee.outcome().unwrap_or(undisturbed),
+            duration_s: self.time_s,
+            control: referee.figures().clone(),
+            rungs: self.levels.borrow().report(),
+            max_command_gap_us: (timeliness.longest_gap_ns > 0)
+                .then_some(timeliness.longest_gap_ns as f64 / 1e3),
+            reaction_time_us: control.times.reaction.percentiles_us(),
+            data_age_us: control.times.age.percentiles_us(),
+            designed_wait_us: control.times.designed_wait.percentiles_us(),
+            net_reaction_us: control.times.net_reaction.percentiles_us(),
+            hops_us: control.hops_us(),
+            worst_chains: control.worst.chains.clone(),
+            undelivered_commands: self.undelivered,
+            aebs: self.braking.as_ref().map(|braking| braking.figures.clone()),
+            brake_reaction_time_us: brake.and_then(|brake| brake.times.reaction.percentiles_us()),
+            brake_hops_us: brake.map_or_else(Hops::default, Chains::hops_us),
+            signal_reaction_us: signals.whole.percentiles_us(),
+            signal_hops_us: signals.hops_us(),
+            commands_due: timeliness.due,
+            commands_missed: timeliness.missed,
+            late_reactions: control.times.late.get(),
+            histograms,
+        }
     }
 }
 
@@ -108,9 +108,9 @@ impl Plant {
         self.control.delivery.undelivered = kept.undelivered;
     }
 
-    pub(super) fn keep(&mut self, step: u64) -> Result<(), RuntimeError> {
-        let Some(checkpoint) = &mut self.checkpoint else { return Ok(()) };
-        checkpoint.save(&Snapshot {
+    /// The state at the end of a step.
+    fn snapshot(&self, step: u64) -> Snapshot<&Referee, &LevelLog> {
+        Snapshot {
             step,
             time_s: self.time_s,
             ego: self.ego.snapshot(),
@@ -123,31 +123,31 @@ impl Plant {
             last_radar: self.control.chains.last_radar,
             undelivered: self.control.delivery.undelivered,
             levels: &self.levels,
-        })
+        }
+    }
+
+    pub(super) fn keep(&mut self, step: u64) -> Result<(), RuntimeError> {
+        let Some(mut checkpoint) = self.checkpoint.take() else { return Ok(()) };
+        let saved = checkpoint.save(&self.snapshot(step));
+        self.checkpoint = Some(checkpoint);
+        saved
     }
 
     pub(super) fn report(&self) -> PlantReport {
-        let referee = &self.world.referee;
         let undisturbed = match self.stopped_for_want_of_commands {
             true => Outcome::SafeStop,
             false => Outcome::Completed,
         };
+        let brake = self.braking.as_ref().map(|braking| &braking.chains);
+        let Control { chains, signal_chain, .. } = &self.control;
+        let report = self.snapshot(0).report(undisturbed, chains, brake, signal_chain);
         let truck = self.ego.truck();
         let control = ControlFigures {
             fuel_l_per_100km: truck.and_then(Truck::fuel_l_per_100km),
             gear_shifts: truck.map(Truck::shifts),
             service_brake_s: truck.map(Truck::service_brake_s),
-            ..referee.figures().clone()
+            ..report.control
         };
-        let brake = self.braking.as_ref().map(|braking| &braking.chains);
-        let times = times(&self.control.chains, brake, &self.control.signal_chain);
-        PlantReport {
-            outcome: referee.outcome().unwrap_or(undisturbed),
-            duration_s: self.time_s,
-            control,
-            aebs: self.braking.as_ref().map(|braking| braking.account.figures.clone()),
-            undelivered_commands: self.control.delivery.undelivered,
-            ..counted(times, &self.control.timeliness, &self.levels)
-        }
+        PlantReport { control, ..report }
     }
 }

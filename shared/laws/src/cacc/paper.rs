@@ -43,7 +43,10 @@ use scenario::quantity::Weight;
 
 use super::config::Config;
 use super::plan::PlanMemory;
-use law::{Figure, Formulation, Input, Law, MAX_PLAN, Output, Phase, Quality, SignalAhead, Target};
+use law::{
+    Figure, Formulation, Input, Law, MAX_PLAN, ModeMemory, Output, Phase, Quality, SignalAhead,
+    Target,
+};
 
 /// A plan older than this is not followed any more, s.
 const MAX_PLAN_AGE_S: f64 = 1.0;
@@ -84,8 +87,7 @@ struct State {
     frozen_m: Option<f64>,
     light: Option<LatchedLight>,
     plan: PlanMemory,
-    mode: Option<u32>,
-    reason: u32,
+    mode: ModeMemory,
 }
 
 /// The light that is being approached: it counts until its phase first changes.
@@ -247,7 +249,13 @@ impl Law for PaperLaw {
             *request = if request.is_finite() { request.clamp(min, max) } else { 0.3 * min };
         }
         output.bound_figures();
-        output.mode_reason = self.state.note_mode(output.mode);
+        let mode = output.mode;
+        self.state.mode.note(output, mode, |before| match (before, mode) {
+            (_, CRUISE) => 1,
+            (_, LIGHT) => 3,
+            (LIGHT, _) => 4,
+            _ => 2,
+        });
     }
 
     fn request_bounds_mps2(&self) -> (f64, f64) {
@@ -261,22 +269,8 @@ impl State {
             frozen_m: None,
             light: None,
             plan: PlanMemory::new(config.step_s),
-            mode: None,
-            reason: 0,
+            mode: ModeMemory::default(),
         }
-    }
-
-    fn note_mode(&mut self, mode: u32) -> u32 {
-        if let Some(old) = self.mode.filter(|&old| old != mode) {
-            self.reason = match (old, mode) {
-                (_, CRUISE) => 1,
-                (_, LIGHT) => 3,
-                (LIGHT, _) => 4,
-                _ => 2,
-            };
-        }
-        self.mode = Some(mode);
-        self.reason
     }
 
     /// The nearest signal, as long as it is ahead and shows its first phase.

@@ -75,7 +75,7 @@ use self::signals::{Green, SignalMemory};
 use super::config::Config;
 use super::plan::PlanMemory;
 use law::following::kinematics::{Lag, Motion};
-use law::{Input, Law, Output, Quality};
+use law::{Input, Law, ModeMemory, Output, Quality};
 
 /// Speed that stands for "no limit", m/s.
 const NO_LIMIT_MPS: f64 = 70.0;
@@ -104,8 +104,7 @@ struct State {
     own: OwnLag,
     /// State for which the plan in memory was made.
     planned: Option<Choice>,
-    mode: Option<u32>,
-    reason: u32,
+    mode: ModeMemory,
 }
 
 /// Treatment of the nearest line.
@@ -287,8 +286,7 @@ impl Law for RoadLaw {
             if !self.state.plan.write(input.time_s, self.config.step_s, MAX_PLAN_AGE_S, output) {
                 output.set_request(-self.config.road.reference_deceleration_mps2);
             }
-            output.mode = self.state.mode.unwrap_or(0);
-            output.mode_reason = self.state.reason;
+            self.state.mode.show(output);
             return;
         };
         self.planner.predict(&seen);
@@ -302,13 +300,17 @@ impl Law for RoadLaw {
             output.figures[1] = v - lead.speed_mps;
         }
         output.bound_figures();
-        output.mode = match (decision.choice, seen.lead) {
+        let mode = match (decision.choice, seen.lead) {
             (Some(_), _) if closed => 3,
             (Some(_), _) => 2,
             (None, Some(_)) => 1,
             (None, None) => 0,
         };
-        output.mode_reason = self.state.note_mode(output.mode, decision.reason);
+        self.state.mode.note(output, mode, |_| match mode {
+            0 => 1,
+            1 => 2,
+            _ => decision.reason,
+        });
     }
 
     fn request_bounds_mps2(&self) -> (f64, f64) {
@@ -324,20 +326,7 @@ impl State {
             plan: PlanMemory::new(config.step_s),
             own: OwnLag::default(),
             planned: None,
-            mode: None,
-            reason: 0,
+            mode: ModeMemory::default(),
         }
-    }
-
-    fn note_mode(&mut self, mode: u32, reason: u32) -> u32 {
-        if self.mode.is_some_and(|old| old != mode) {
-            self.reason = match mode {
-                0 => 1,
-                1 => 2,
-                _ => reason,
-            };
-        }
-        self.mode = Some(mode);
-        self.reason
     }
 }
