@@ -94,21 +94,14 @@ const LINE_ROOM_M: f64 = 0.3;
 /// Below this speed a vehicle at a closed line waits, m/s.
 const STANDSTILL_MPS: f64 = 0.1;
 
-/// A colour, reduced to what the driver does about it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Colour {
-    Green,
-    Yellow,
-    Red,
-}
-
 /// Decision of the driver at the nearest signal.
 #[derive(Clone, Copy, Debug)]
 struct Watched {
     id: u32,
-    seen: Colour,
+    /// Green, yellow or red.
+    seen: Phase,
     since_s: f64,
-    heeded: Option<Colour>,
+    heeded: Option<Phase>,
     /// It was too late to stop when the signal closed.
     goes_on: bool,
 }
@@ -143,11 +136,8 @@ impl StoppingLaw {
             self.watched = None;
             return None;
         };
-        let seen = match signal.intervals[..signal.count.min(1)].first().map(|now| now.phase) {
-            Some(Phase::Green) => Colour::Green,
-            Some(Phase::Yellow) => Colour::Yellow,
-            Some(Phase::Red | Phase::Unknown) | None => Colour::Red,
-        };
+        let shown = signal.intervals[..signal.count.min(1)].first().map(|now| now.phase);
+        let seen = shown.filter(|phase| *phase != Phase::Unknown).unwrap_or(Phase::Red);
         let now_s = input.time_s;
         let first = Watched { id: signal.id, seen, since_s: now_s, heeded: None, goes_on: false };
         let mut watched = self.watched.filter(|before| before.id == signal.id).unwrap_or(first);
@@ -157,15 +147,15 @@ impl StoppingLaw {
         let is_heeded = now_s - watched.since_s >= self.settings.reaction_s - 1e-9;
         if is_heeded && watched.heeded != Some(seen) {
             watched.goes_on = match (watched.heeded, seen) {
-                (_, Colour::Green) => false,
+                (_, Phase::Green) => false,
                 // It went on through this signal's yellow, or could not stop for it.
-                (Some(Colour::Yellow), Colour::Red) if watched.goes_on => true,
+                (Some(Phase::Yellow), Phase::Red) if watched.goes_on => true,
                 _ => self.is_too_late(input, signal.distance_m),
             };
             watched.heeded = Some(seen);
         }
         self.watched = Some(watched);
-        let closed = matches!(watched.heeded, Some(Colour::Yellow | Colour::Red));
+        let closed = matches!(watched.heeded, Some(Phase::Yellow | Phase::Red));
         (closed && !watched.goes_on).then_some(signal.distance_m)
     }
 

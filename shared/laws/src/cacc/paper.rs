@@ -150,16 +150,12 @@ impl PaperLaw {
             output.figures[2] = problem.objective(self.solver.inputs(), self.solver.states());
             output.figures[3] = report.residuals.max();
             if usable(&report) {
-                return self.keep_plan(input, quality, output);
+                self.state.plan.store(self.solver.inputs(), input.time_s);
+                let fresh = self.state.plan.write(input.time_s, input.period_s, 0.0, output);
+                return if fresh { quality } else { Quality::Backup };
             }
         }
         Quality::Backup
-    }
-
-    fn keep_plan(&mut self, input: &Input, quality: Quality, output: &mut Output) -> Quality {
-        self.state.plan.store(self.solver.inputs(), input.time_s);
-        let fresh = self.state.plan.write(input.time_s, input.period_s, 0.0, output);
-        if fresh { quality } else { Quality::Backup }
     }
 
     /// `E_0`; freezes the desired distance the first time.

@@ -35,24 +35,22 @@ impl TargetFilter {
 
     /// Takes in what the radar shows after `dt_s` in which the ego accelerated by `ego_mps2`.
     pub fn update(&mut self, target: Option<&Target>, ego_mps2: f64, dt_s: f64) -> Option<Target> {
-        let Some(target) = target else {
+        let is_sound =
+            |target: &&Target| target.gap_m.is_finite() && target.relative_speed_mps.is_finite();
+        let Some(target) = target.filter(is_sound) else {
             self.track = None;
             return None;
         };
         let measured = [target.gap_m, target.relative_speed_mps];
-        if !measured.iter().all(|value| value.is_finite()) {
-            self.track = None;
-            return None;
-        }
         match &mut self.track {
             Some(track) if track.id == target.track_id => {
                 track.predict(&self.keys, ego_mps2, dt_s);
                 track.correct(&self.keys, measured);
                 if track.rejected >= LOST {
-                    let acceleration_mps2 = target.acceleration_mps2;
                     *track = Track::new(target.track_id, measured);
-                    track.state.mean[2] =
-                        if acceleration_mps2.is_finite() { acceleration_mps2 } else { 0.0 };
+                    if target.acceleration_mps2.is_finite() {
+                        track.state.mean[2] = target.acceleration_mps2;
+                    }
                 }
             }
             _ => self.track = Some(Track::new(target.track_id, measured)),
