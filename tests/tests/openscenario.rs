@@ -227,7 +227,7 @@ fn a_story_that_cannot_happen_has_status_1() {
     let late = "<SimulationTimeCondition value=\"500\"";
     std::fs::write(&path, good.replace("<SimulationTimeCondition value=\"0\"", late))
         .expect("ours");
-    refused(&["--duration", "2"], 1, "never started within");
+    refused(&["--duration", "2"], 1, "started within");
     refused(&["--duration", "2", "--json"], 1, "\"no_story\"");
     let waits = ["--set", "set_speed_mps=0", "--set", "plant.initial_speed_mps=0"];
     refused(&waits, 1, "error: the ego stands, and its set speed is 0 m/s: the story of");

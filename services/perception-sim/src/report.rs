@@ -33,7 +33,7 @@ pub struct PerceptionReport {
     pub detections: Option<u64>,
     /// Detections for which the message had no room.
     pub detections_left_out: Option<u64>,
-    /// Acts of an OpenSCENARIO file that never started.
+    /// Acts of an OpenSCENARIO file of which no event started.
     #[serde(default)]
     pub unstarted_acts: Vec<String>,
     /// The ego came to the end of its road, and the drive ended there.

@@ -9,7 +9,7 @@ use crate::model::action::Action;
 use crate::model::{InitAction, Script};
 use crate::parameter::{Assignment, opened};
 pub use crate::scene::Spots;
-use crate::scene::{LaneHeadings, Reference, Scene};
+use crate::scene::{LaneHeadings, Scene};
 use crate::scope::Scope;
 use crate::subset::ScenarioFile;
 use crate::world::NotFound;
@@ -22,6 +22,8 @@ pub struct Scenario {
     pub description: String,
     /// Its parameters with the values that took effect, by name.
     pub parameters: Vec<(String, String)>,
+    /// The direction from which its headings count.
+    pub headings: LaneHeadings,
     /// The ego's set speed, m/s, where Init lets it change its speed over time; otherwise its speed at the start.
     pub set_speed_mps: Option<f64>,
     /// The friction of the road, as a factor of the usual one.
@@ -39,8 +41,9 @@ pub struct Scenario {
 pub struct Choices {
     /// Values that replace the declared ones.
     pub assigned: Vec<Assignment>,
-    /// The direction from which headings count.
-    pub headings: LaneHeadings,
+    /// The direction from which headings count. Without it, the file's author says so: esmini's files count from the
+    /// lane's traffic.
+    pub headings: Option<LaneHeadings>,
     /// The entity that is the ego. Without it, its name or its controller says so.
     pub ego: Option<String>,
 }
@@ -81,7 +84,8 @@ pub fn scenario_by(
 ) -> Result<Scenario, ReadError> {
     let document = open_scenario(path, source)?;
     let (scene, outside) = (Scene::new(source, path), Scope::default());
-    scene.headings.set(choices.headings);
+    scene.headings.set(choices.headings.unwrap_or_else(|| headings_of(&document)));
+    scene.are_headings_guessed.set(choices.headings.is_none());
     scene.ego_name.replace(choices.ego.clone());
     let root = &document.root;
     let node = Node { file: &document.file, element: root, scope: &outside, scene: &scene };
@@ -102,24 +106,34 @@ pub fn scenario_by(
         stop,
     };
     // Only now all parts of the storyboard are there that conditions refer to.
-    for Reference { place, kind, name } in scene.references.take() {
-        script.find(kind, &name).map_err(|NotFound { reason, expected }| ReadError::Meaning {
-            place,
-            reason,
-            expected,
-        })?;
+    if let Err(NotFound { name, reason, expected }) = script.check_names() {
+        let references = scene.references.take();
+        let place = references.into_iter().find(|reference| reference.1 == name);
+        let place = place.map_or_else(|| node.place(), |(place, _)| place);
+        return Err(ReadError::meaning(place, reason, expected));
     }
     let parameters = scope.iter().map(|(name, value)| (name.to_owned(), value.text())).collect();
     Ok(Scenario {
         script,
         description,
         parameters,
+        headings: scene.headings.get(),
         set_speed_mps: scene.ego_goal_mps.get(),
         friction: scene.friction.get().unwrap_or(1.0),
         hindrance: scene.hindrance.take(),
         notices: scene.notices.take(),
         spots: scene.spots.take(),
     })
+}
+
+/// The direction from which the headings of a file count, by the program of its author.
+fn headings_of(document: &Document) -> LaneHeadings {
+    let header = document.root.child("FileHeader");
+    let author = header.and_then(|header| header.attribute("author")).unwrap_or_default();
+    match author.to_ascii_lowercase().contains("esmini") {
+        true => LaneHeadings::Traffic,
+        false => LaneHeadings::Road,
+    }
 }
 
 /// A scenario file's parameters, to be asked about many values.

@@ -8,7 +8,6 @@ use std::rc::Rc;
 
 use crate::error::{Place, ReadError, Spot};
 use crate::library::Source;
-use crate::model::element::ElementKind;
 use crate::model::timed::SignalCycle;
 use crate::model::{Entity, InitAction, Named};
 use crate::road::{self, Ground, Road};
@@ -59,6 +58,8 @@ pub(crate) struct Scene<'a> {
     /// The friction of the road as a factor, where Init gives it.
     pub friction: Cell<Option<f64>>,
     pub headings: Cell<LaneHeadings>,
+    /// The file's author says from which direction headings count.
+    pub are_headings_guessed: Cell<bool>,
     /// The actors of the maneuver group that is read.
     pub actors: RefCell<Vec<usize>>,
     /// The master of the meeting that is read.
@@ -70,8 +71,8 @@ pub(crate) struct Scene<'a> {
     pub controllers: RefCell<Vec<(String, SignalCycle)>>,
     /// The condition that is read is a criterion of CARLA's tests.
     pub is_criterion: Cell<bool>,
-    /// References to parts of the storyboard, to be looked up once all of it has been read.
-    pub references: RefCell<Vec<Reference>>,
+    /// Names of parts of the storyboard in conditions.
+    pub references: RefCell<Vec<(Place, String)>>,
     pub notices: RefCell<Vec<String>>,
     pub hindrance: RefCell<Option<String>>,
 }
@@ -89,13 +90,6 @@ pub(crate) struct Location {
     pub name: String,
     pub path: String,
     pub place: Place,
-}
-
-/// A reference to a part of the storyboard.
-pub(crate) struct Reference {
-    pub place: Place,
-    pub kind: ElementKind,
-    pub name: String,
 }
 
 impl<'a> Scene<'a> {

@@ -256,3 +256,29 @@ fn a_script_survives_being_written_down() {
         "{text}"
     );
 }
+
+/// A catalog's maneuver that several groups use means its own events, and each group follows its own.
+#[test]
+fn of_several_parts_of_a_name_the_nearest_counts() {
+    let first = |value: f64, after_s: f64| {
+        event("E", "parallel", &[&speed("step", "time", 0.0, value)], &trigger(&[&at(after_s)]))
+    };
+    let next = |value: f64| {
+        let start = trigger(&[&state("none", 0.0, "event", "E", "completeState")]);
+        event("F", "parallel", &[&speed("step", "time", 0.0, value)], &start)
+    };
+    let stories = story_of("Lead", "One", 1, &[first(5.0, 1.0), next(6.0)])
+        + &story_of("Lead", "Two", 1, &[first(7.0, 2.0), next(8.0)]);
+    let mut run = Parts { stories, ..Parts::default() }.run();
+    assert_eq!(run.to(1.5).lead().speed_mps, 6.0);
+    assert_eq!(run.to(2.5).lead().speed_mps, 8.0);
+}
+
+/// A story whose act starts and whose events never do has not happened.
+#[test]
+fn an_act_without_a_started_event_is_named() {
+    let far = event("E", "parallel", &[&speed("step", "time", 0.0, 1.0)], &trigger(&[&at(2.0)]));
+    let mut run = Parts { stories: story(&[far]), ..Parts::default() }.run();
+    assert_eq!(run.to(1.9).world.unstarted_acts().collect::<Vec<_>>(), ["Act"]);
+    assert_eq!(run.to(2.1).world.unstarted_acts().count(), 0);
+}

@@ -73,7 +73,7 @@ impl Opening {
         }
         let parameters = options.parameters.iter().map(|argument| assignment(argument));
         let assigned = parameters.collect::<Result<Vec<_>, _>>()?;
-        let (headings, ego) = (options.lane_headings.into(), options.ego.clone());
+        let (headings, ego) = (options.lane_headings.map(LaneHeadings::from), options.ego.clone());
         let choices = Choices { assigned, headings, ego };
         let file = if is_openscenario(name) {
             File::OpenScenario(name.into(), choices)
@@ -95,8 +95,9 @@ impl Opening {
             if let Some(ego) = &choices.ego {
                 return refuse("--ego", ego.as_str(), "one (.xosc)");
             }
-            if choices.headings != LaneHeadings::Road {
-                return refuse("--lane-headings", "traffic", "one (.xosc)");
+            if let Some(headings) = choices.headings {
+                let name = format!("{headings:?}").to_lowercase();
+                return refuse("--lane-headings", &name, "one (.xosc)");
             }
             File::Own(Box::new(Source::read(name)?))
         };

@@ -7,7 +7,6 @@ use super::timed::{Bounds, Meeting, SignalCycle, SpeedProfile, SpeedTarget};
 use crate::expression::Value;
 use crate::words::word_enums;
 
-/// An action.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Action {
@@ -31,15 +30,10 @@ pub enum Action {
         /// Does not end by itself.
         continuous: bool,
     },
-    /// The entity moves along a line.
     Trajectory(Trajectory),
-    /// The entity is at a position at once.
     Teleport(Position),
-    /// The entity comes onto the road.
     Add { entity: usize, position: Position },
-    /// The entity leaves the road.
     Delete { entity: usize },
-    /// A parameter or variable changes.
     Set {
         /// Its place among the script's values.
         value: usize,
@@ -47,9 +41,7 @@ pub enum Action {
     },
     /// An action without effect in the simulation; it is complete at once.
     Nothing,
-    /// The speed follows a profile.
     Profile(SpeedProfile),
-    /// The entity arrives together with another one.
     Meet(Box<Meeting>),
     /// Traffic signals go through a cycle from now on.
     Cycle(SignalCycle),
@@ -86,24 +78,20 @@ impl SpeedTarget {
         !self.is_continuous() && transition.is_immediate()
     }
 
-    /// True if it is kept up without end.
     pub fn is_continuous(&self) -> bool {
         matches!(self, Self::Relative { continuous: true, .. })
     }
 }
 
-/// Transition to a target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Transition {
     pub shape: Shape,
-    /// The meaning of the value.
     pub dimension: Dimension,
     /// Time in s, largest rate in the target's unit per second, or distance in m.
     pub value: f64,
 }
 
 impl Transition {
-    /// True if it takes no time.
     pub fn is_immediate(&self) -> bool {
         self.shape == Shape::Step || (self.dimension != Dimension::Rate && self.value == 0.0)
     }
@@ -122,7 +110,6 @@ word_enums! {
         Step: "step",
     }
 
-    /// The meaning of a transition's value.
     Dimension {
         /// The time that it takes, s.
         Time: "time",
@@ -141,7 +128,6 @@ word_enums! {
     }
 }
 
-/// A distance to another entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Distance {
     pub entity: usize,
@@ -155,7 +141,6 @@ pub struct Distance {
     pub limits: Option<Bounds>,
 }
 
-/// The size of a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gap {
@@ -165,11 +150,9 @@ pub enum Gap {
     Time(f64),
 }
 
-/// The end of a lane change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LaneTarget {
-    /// A lane's id.
     Lane(i32),
     /// A lane to the left of an entity's lane.
     Beside { entity: usize, lanes_left: i32 },
@@ -177,7 +160,6 @@ pub enum LaneTarget {
     Lateral(f64),
 }
 
-/// The end of a lane offset.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OffsetTarget {
@@ -191,7 +173,6 @@ pub enum OffsetTarget {
     },
 }
 
-/// A line to move along.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trajectory {
     pub vertices: Vec<Vertex>,
@@ -201,7 +182,6 @@ pub struct Trajectory {
     pub initial_offset_m: f64,
 }
 
-/// A corner.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Vertex {
     pub time_s: f64,
@@ -213,19 +193,14 @@ pub struct Vertex {
 pub struct Timing {
     /// True if it counts from the start of the run, not of the action.
     pub absolute: bool,
-    /// Scale, without unit.
     pub scale: f64,
     pub offset_s: f64,
 }
 
-/// A change of a value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Change {
-    /// The new value.
     To(Value),
-    /// A number to add.
     Add(f64),
-    /// A number to multiply by.
     Multiply(f64),
 }

@@ -15,15 +15,11 @@ word_enums! {
 
     /// A state, or a transition between states, which lasts one step.
     ElementState {
-        /// Waits for its trigger.
         Standby: "standbyState",
         Running: "runningState",
         Complete: "completeState",
-        /// Begins to run.
         StartTransition: "startTransition",
-        /// Ends by itself.
         EndTransition: "endTransition",
-        /// Stopped by another element.
         StopTransition: "stopTransition",
         /// Was triggered and did not run.
         SkipTransition: "skipTransition",

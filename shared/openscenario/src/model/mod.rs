@@ -22,30 +22,25 @@ use storyboard::Story;
 /// Most entities, the ego included.
 pub const MAX_ENTITIES: usize = 65;
 
-/// A whole scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Script {
     pub road: Road,
     /// The ego's place among the entities.
     pub ego: usize,
-    /// Everything that is on the road.
     pub entities: Vec<Entity>,
     /// Parameters and variables that the storyboard compares or changes.
     pub values: Vec<Named>,
     /// Actions before the first step, in order.
     pub init: Vec<InitAction>,
     pub stories: Vec<Story>,
-    /// The trigger that ends the storyboard.
     pub stop: Option<Trigger>,
 }
 
-/// An entity on the road.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entity {
     pub name: String,
     pub category: Category,
     pub body: Body,
-    /// Mover of the entity.
     pub drive: Drive,
 }
 
@@ -55,7 +50,6 @@ word_enums! {
         Vehicle: "vehicle",
         /// A pedestrian, wheelchair or animal.
         Pedestrian: "pedestrian",
-        /// An object.
         MiscObject: "miscellaneous",
     }
 }
@@ -64,13 +58,11 @@ word_enums! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Drive {
-    /// The storyboard.
     Scripted,
     /// The caller: for the ego, and for traffic with profiles of its own.
     External,
 }
 
-/// The box around an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     /// Centre of the box ahead of the entity's origin, m.
@@ -88,7 +80,6 @@ pub struct Named {
     pub value: Value,
 }
 
-/// An action of Init.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InitAction {
     /// The acting entity; none for an action of the world.

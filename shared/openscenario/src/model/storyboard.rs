@@ -6,14 +6,12 @@ use super::action::Action;
 use super::condition::Trigger;
 use crate::words::word_enums;
 
-/// A story.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Story {
     pub name: String,
     pub acts: Vec<Act>,
 }
 
-/// An act.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Act {
     pub name: String,
@@ -24,38 +22,31 @@ pub struct Act {
     pub groups: Vec<ManeuverGroup>,
 }
 
-/// A group of maneuvers with its actors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ManeuverGroup {
     pub name: String,
-    /// Number of times that it runs.
     pub executions: u32,
-    /// The acting entities.
     pub actors: Vec<usize>,
     pub maneuvers: Vec<Maneuver>,
 }
 
-/// A maneuver: a list of events.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Maneuver {
     pub name: String,
     pub events: Vec<Event>,
 }
 
-/// An event: actions and the trigger that starts them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Event {
     pub name: String,
     /// Its effect on other events of the maneuver.
     pub priority: Priority,
-    /// Number of times that it starts.
     pub executions: u32,
     /// The trigger that starts it. Without one it starts with its maneuver.
     pub start: Option<Trigger>,
     pub actions: Vec<NamedAction>,
 }
 
-/// An action with its name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedAction {
     pub name: String,

@@ -11,13 +11,10 @@ pub struct SpeedProfile {
     pub relative_to: Option<usize>,
     /// The bounds come before the times. Without it, the entries are reached at their times, on straight lines.
     pub smooth: bool,
-    /// Bounds on the way.
     pub bounds: Bounds,
-    /// The speeds, in order.
     pub entries: Vec<SpeedEntry>,
 }
 
-/// A speed of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpeedEntry {
     /// The speed at its end, m/s.
@@ -42,7 +39,6 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// No bounds.
     pub const NONE: Self = Self {
         acceleration_mps2: f64::INFINITY,
         deceleration_mps2: f64::INFINITY,
@@ -55,11 +51,8 @@ impl Bounds {
 /// An entity arrives at its goal when another one, the master, arrives at its own.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Meeting {
-    /// The other entity.
     pub master: usize,
-    /// The goal of the other entity.
     pub master_goal: Position,
-    /// The goal of the entity itself.
     pub goal: Position,
     /// A distance from its goal within which the other entity has arrived, m.
     pub master_tolerance_m: f64,
@@ -69,7 +62,6 @@ pub struct Meeting {
     pub final_speed: Option<FinalSpeed>,
 }
 
-/// The speed at the end of a meeting.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FinalSpeed {
     pub speed: SpeedTarget,
@@ -87,7 +79,6 @@ pub enum Steady {
     Time(f64),
 }
 
-/// The cycle of a controller of traffic signals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignalCycle {
     /// The place of the present phase's name among the script's values.
@@ -98,7 +89,6 @@ pub struct SignalCycle {
     pub phases: Vec<SignalPhase>,
 }
 
-/// A phase of traffic signals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignalPhase {
     pub name: String,
@@ -130,7 +120,6 @@ impl SignalCycle {
     }
 }
 
-/// A target speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpeedTarget {
@@ -140,7 +129,6 @@ pub enum SpeedTarget {
         entity: usize,
         factor: f64,
         offset_mps: f64,
-        /// Kept up without end.
         continuous: bool,
     },
 }

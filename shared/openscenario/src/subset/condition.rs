@@ -7,7 +7,6 @@ use crate::comparison::Rule;
 use crate::declare::{AtLeastOne, Duration, Literal, Number, OneOf, Text, elements, scalars};
 use crate::model::condition::{self, Edge, Test, Trigger};
 use crate::model::element::{ElementKind, ElementState};
-use crate::scene::Reference;
 
 elements! { "Conditions";
     /// fires when one group holds; without groups a stop trigger never does
@@ -61,8 +60,7 @@ elements! { "Conditions";
     ["storyboardElementType" kind: ElementKind, "storyboardElementRef" name: Text,
         "state" state: ElementState] {}
     |node| {
-        let reference = Reference { place: node.place(), kind, name: name.clone() };
-        node.scene.references.borrow_mut().push(reference);
+        node.scene.references.borrow_mut().push((node.place(), name.clone()));
         Ok(Some(Test::Element { kind, name, state }))
     }
 }

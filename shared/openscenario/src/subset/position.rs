@@ -121,15 +121,16 @@ elements! { "Positions";
         };
         let from = From::Road { s_m, t_m: found.center_m + offset_m };
         let headings = node.scene.headings.get();
-        if let Some(Turn::Relative(h_rad)) = turn
-            && headings == LaneHeadings::Road
-            && row.direction(&found) < 0.0
-            && libm::cos(h_rad) < -0.9
-        {
+        let turned = matches!(turn, Some(Turn::Relative(h_rad)) if libm::cos(h_rad) < -0.9);
+        let (counts, other) = match headings {
+            LaneHeadings::Road if turned => ("reference line", "traffic"),
+            LaneHeadings::Traffic if node.scene.are_headings_guessed.get() => ("lane's traffic", "road"),
+            _ => ("", ""),
+        };
+        if row.direction(&found) < 0.0 && !counts.is_empty() {
             node.scene.notice(format!(
-                "{}: h={h_rad} in lane {} faces with the lane's traffic: it counts from the road's \
-                 reference line. A file made for esmini or CARLA counts from the lane's traffic: \
-                 `--lane-headings traffic`",
+                "{}: the heading in lane {} counts from the {counts}. The standard counts from the reference line, \
+                 esmini and CARLA from the lane's traffic: `--lane-headings {other}`",
                 node.place(), found.id
             ));
         }

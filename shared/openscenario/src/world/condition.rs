@@ -86,7 +86,6 @@ impl World {
         Some(fires)
     }
 
-    /// Clears the memory of a trigger's conditions.
     pub(super) fn forget(&mut self, numbered: &Numbered) {
         let count = numbered.trigger.iter().flat_map(|trigger| trigger.0.iter().flatten()).count();
         for memory in &mut self.state.conditions[numbered.first..numbered.first + count] {
@@ -169,7 +168,6 @@ impl World {
         Motion { s_m: pose.x_m, t_m: pose.y_m, heading_rad: pose.heading_rad, ..*motion }
     }
 
-    /// True if two bodies overlap.
     fn touch(&self, entity: usize, other: usize) -> bool {
         if self.ground.is_straight() {
             return self.extent(entity).overlaps(&self.extent(other));

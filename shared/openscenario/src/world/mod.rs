@@ -41,16 +41,12 @@ use signals::Cycle;
 pub use state::Motion;
 use storyboard::Progress;
 
-/// A script that cannot start.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorldError {
-    /// An index beyond its list.
     #[error("{what} {index} does not exist, expected less than {count}")]
     Index {
-        /// The kind of list.
         what: &'static str,
         index: usize,
-        /// Their number.
         count: usize,
     },
     /// The pieces of the road make no axis.

@@ -250,7 +250,6 @@ impl World {
         }
     }
 
-    /// Moves along a line.
     fn follow(&mut self, entity: usize, time_ns: u64) {
         let mover = &mut self.state.movers[entity];
         let Some(path) = &mover.path else { return };

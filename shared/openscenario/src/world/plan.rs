@@ -12,6 +12,7 @@ use crate::world::WorldError;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{reason}, expected {expected}")]
 pub struct NotFound {
+    pub name: String,
     pub reason: String,
     /// The names that exist.
     pub expected: String,
@@ -60,21 +61,21 @@ impl Plan {
         let mut plan = Self::laid_out(script);
         for index in 0..plan.elements.len() {
             let Element { start, stop, .. } = plan.elements[index].clone();
-            let numbered = (plan.number(start)?, plan.number(stop)?);
+            let numbered = (plan.number(start, Some(index))?, plan.number(stop, Some(index))?);
             let element = &mut plan.elements[index];
             (element.start, element.stop) = numbered;
         }
-        plan.stop = plan.number(Numbered { trigger: script.stop.clone(), first: 0 })?;
+        plan.stop = plan.number(Numbered { trigger: script.stop.clone(), first: 0 }, None)?;
         super::check::check(script, &plan)?;
         Ok(plan)
     }
 
-    /// Numbers the conditions of a trigger.
-    fn number(&mut self, numbered: Numbered) -> Result<Numbered, WorldError> {
+    /// Numbers the conditions of a trigger of a part.
+    fn number(&mut self, numbered: Numbered, of: Option<usize>) -> Result<Numbered, WorldError> {
         let first = self.conditions;
         for condition in numbered.trigger.iter().flat_map(|trigger| trigger.0.iter().flatten()) {
             self.watched.push(match &condition.test {
-                Test::Element { kind, name, .. } => Some(find(&self.elements, *kind, name)?),
+                Test::Element { kind, name, .. } => Some(find(&self.elements, *kind, name, of)?),
                 _ => None,
             });
             self.conditions += 1;
@@ -147,36 +148,58 @@ impl Plan {
 }
 
 impl Script {
-    /// Finds a part of the storyboard by its name, or by its path from any level with `::`.
+    /// Checks that each condition on the storyboard names one of its parts.
     ///
     /// # Errors
-    /// When there is none, or more than one.
-    pub fn find(&self, kind: ElementKind, name: &str) -> Result<usize, NotFound> {
-        find(&Plan::laid_out(self).elements, kind, name)
+    /// When a name has no part, or several that are equally near.
+    pub fn check_names(&self) -> Result<(), NotFound> {
+        match Plan::of(self) {
+            Err(WorldError::Element(not_found)) => Err(not_found),
+            _ => Ok(()),
+        }
     }
 }
 
-fn find(elements: &[Element], kind: ElementKind, name: &str) -> Result<usize, NotFound> {
+/// The part of a name, or of a path from any level with `::`. If several have it, the nearest to the part that names it counts: a catalog's maneuver that is
+/// used several times means its own events.
+fn find(
+    elements: &[Element],
+    kind: ElementKind,
+    name: &str,
+    from: Option<usize>,
+) -> Result<usize, NotFound> {
+    let holds = |index: usize, inner: usize| (index..elements[index].end).contains(&inner);
+    // Levels that a part has in common with the part that names it.
+    let levels = |found: usize| {
+        let shared =
+            |&index: &usize| from.is_some_and(|from| holds(index, from) && holds(index, found));
+        (0..elements.len()).filter(shared).count()
+    };
     let matches = |element: &Element| {
         element.kind == kind
             && (element.path == name
                 || element.path.strip_suffix(name).is_some_and(|rest| rest.ends_with("::")))
     };
-    let mut found = elements.iter().enumerate().filter(|(_, element)| matches(element));
+    let mut found: Vec<usize> =
+        (0..elements.len()).filter(|index| matches(&elements[*index])).collect();
+    found.sort_by_key(|index| std::cmp::Reverse(levels(*index)));
     let names = || {
         let of_kind = elements.iter().filter(|element| element.kind == kind);
         crate::error::one_of(of_kind.map(|element| element.path.as_str()))
     };
-    match (found.next(), found.next()) {
-        (Some((index, _)), None) => Ok(index),
-        (None, _) => Err(NotFound {
+    match found[..] {
+        [nearest] => Ok(nearest),
+        [nearest, next, ..] if levels(nearest) > levels(next) => Ok(nearest),
+        [] => Err(NotFound {
+            name: name.to_owned(),
             reason: format!("the storyboard has no {} `{name}`", kind.word()),
             expected: match elements.iter().any(|element| element.kind == kind) {
                 true => names(),
                 false => format!("the name of one, and there is no {}", kind.word()),
             },
         }),
-        (Some(_), Some(_)) => Err(NotFound {
+        [..] => Err(NotFound {
+            name: name.to_owned(),
             reason: format!("the storyboard has several parts called `{name}`"),
             expected: format!("a path: {}", names()),
         }),

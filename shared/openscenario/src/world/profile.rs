@@ -17,11 +17,9 @@ use crate::world::shape::{MAX_SPEED_MPS, SHORTEST_S, seconds};
 /// A change of the speed that counts as none, m/s.
 const SMALLEST_MPS: f64 = 1e-9;
 
-/// A profile that is being driven.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Profile {
     start_ns: u64,
-    /// An entity whose speed is added.
     pub relative_to: Option<usize>,
     /// In order of time. The last one has no end.
     pieces: Vec<Piece>,

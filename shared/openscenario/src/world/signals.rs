@@ -6,11 +6,9 @@ use crate::Value;
 use crate::model::timed::SignalCycle;
 use crate::world::World;
 
-/// A controller that goes through its cycle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Cycle {
     cycle: SignalCycle,
-    /// The present phase.
     phase: Option<usize>,
 }
 

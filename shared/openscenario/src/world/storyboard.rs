@@ -50,13 +50,20 @@ impl Progress {
 }
 
 impl World {
-    /// Names of the acts that have not started, in the order of the file.
+    /// Names of the acts of which no event has started, in the order of the file.
     pub fn unstarted_acts(&self) -> impl Iterator<Item = &str> {
-        let acts = self.plan.elements.iter().zip(&self.state.progress);
-        acts.filter(|(element, progress)| {
-            element.kind == ElementKind::Act && progress.executions == 0
-        })
-        .map(|(element, _)| element.path.rsplit("::").next().unwrap_or_default())
+        let elements = &self.plan.elements;
+        let has_started = |index: &usize| self.state.progress[*index].executions > 0;
+        let is_idle = move |act: &usize| {
+            let is_event = |index: &usize| elements[*index].kind == ElementKind::Event;
+            let mut events = (*act..elements[*act].end).filter(is_event).peekable();
+            match events.peek() {
+                None => !has_started(act),
+                Some(_) => !events.any(|event| has_started(&event)),
+            }
+        };
+        let acts = (0..elements.len()).filter(|act| elements[*act].kind == ElementKind::Act);
+        acts.filter(is_idle).map(|act| elements[act].path.rsplit("::").next().unwrap_or_default())
     }
 
     /// One step of the storyboard, at the world's present time.
@@ -230,7 +237,6 @@ impl World {
         self.mark(index, ElementState::StartTransition);
     }
 
-    /// Records a transition.
     fn mark(&mut self, index: usize, transition: ElementState) {
         self.state.changed = true;
         self.state.progress[index].transition = Some((transition, self.state.step));
@@ -243,7 +249,6 @@ impl World {
         }
     }
 
-    /// Counts one actor less.
     pub(super) fn release(&mut self, element: Option<usize>, how: ElementState) {
         let Some(element) = element else { return };
         let progress = &mut self.state.progress[element];
@@ -258,7 +263,6 @@ impl World {
         element.map_or(0, |element| self.state.progress[element].pending)
     }
 
-    /// Completes a storyboard's action.
     pub(super) fn finish(&mut self, element: Option<usize>, how: ElementState) {
         if let Some(element) = element {
             self.state.progress[element].phase = Phase::Complete;

@@ -50,7 +50,7 @@ pub struct Parts {
     pub stop: String,
     pub files: Vec<(String, String)>,
     pub assigned: Vec<(String, String)>,
-    pub headings: LaneHeadings,
+    pub headings: Option<LaneHeadings>,
     pub ego: Option<String>,
     /// The content of the road network; the road file alone where it is empty.
     pub network: String,

@@ -97,7 +97,7 @@ pub(crate) fn translated(
         keys.come_from(format!("{path}.length_m"), &declared, &format!("`{name}`"));
         keys.come_from(path, &place, &what);
     }
-    let notices = super::start_notices::of(&script, &world, choices.headings);
+    let notices = super::start_notices::of(&script, &world, read.headings);
     let storyboard = Storyboard {
         source: file,
         hindrance: read.hindrance,

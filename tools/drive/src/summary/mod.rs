@@ -339,7 +339,7 @@ impl Summary {
     }
 }
 
-/// False if the story of an OpenSCENARIO file could not happen, or none of its acts has started.
+/// False if the story of an OpenSCENARIO file could not happen, or no event of its acts has started.
 fn has_begun(scenario: &Scenario, perception: Option<&PerceptionReport>) -> bool {
     let (Some(storyboard), Some(report)) = (&scenario.storyboard, perception) else { return true };
     let acts: usize = storyboard.script.stories.iter().map(|story| story.acts.len()).sum();

@@ -124,7 +124,7 @@ pub(super) fn unstarted_acts(acts: &[String]) -> Option<String> {
     let more = acts.len() - named.len();
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let what = if acts.len() == 1 { "act" } else { "acts" };
-    (!acts.is_empty()).then(|| format!("{what} {}{more} never started", named.join(", ")))
+    (!acts.is_empty()).then(|| format!("no event of {what} {}{more} started", named.join(", ")))
 }
 
 /// Misses of the three deadlines of equal length. They are the control cycle, the command at the plant, and the whole

@@ -38,9 +38,9 @@ pub struct ScenarioOptions {
     #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
     /// Headings in lanes of an OpenSCENARIO file count from the road, as in the standard, or from the lane's traffic, as
-    /// in esmini
-    #[arg(long, value_enum, default_value_t, value_name = "DIRECTION")]
-    pub lane_headings: HeadingsName,
+    /// in esmini [default: `traffic` if the file's author is esmini]
+    #[arg(long, value_enum, value_name = "DIRECTION")]
+    pub lane_headings: Option<HeadingsName>,
     /// The ego of an OpenSCENARIO file [default: `Ego`, `hero`, or the only entity with a controller]; in SUMO a route,
     /// vehicle, trip, flow, or from=EDGE,to=EDGE
     #[arg(long, value_name = "NAME")]
@@ -64,11 +64,10 @@ pub struct ScenarioOptions {
 }
 
 /// Names of the directions from which headings of lane positions count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeadingsName {
     /// The road's reference line.
-    #[default]
     Road,
     /// The lane's traffic.
     Traffic,
