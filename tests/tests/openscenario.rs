@@ -175,7 +175,7 @@ fn a_file_has_as_many_entities_as_a_scenario_has_actors() {
             .replace("</Actions>", &format!("{starts}</Actions>"))
     };
     std::fs::write(&path, with(63)).expect("our own directory");
-    let summary = lockstep(&corner, "examples/cut_in.xosc", &["--duration", "2"]);
+    let summary = lockstep(&corner, "examples/cut_in.xosc", &["--duration", "6"]);
     assert_eq!(summary["outcome"], "completed");
     std::fs::write(&path, with(64)).expect("our own directory");
     let output = corner.run(&["run", "examples/cut_in.xosc"]);
@@ -199,7 +199,7 @@ fn the_user_names_the_ego() {
         "{}",
         text(&shown)
     );
-    let summary = lockstep(&corner, "examples/cut_in.xosc", &["--ego", "Car 1", "--duration", "2"]);
+    let summary = lockstep(&corner, "examples/cut_in.xosc", &["--ego", "Car 1", "--duration", "6"]);
     assert_eq!(summary["outcome"], "completed");
     let own = corner.run(&["run", "following", "--ego", "Car 1"]);
     assert_eq!(own.status.code(), Some(2));

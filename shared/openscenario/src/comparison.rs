@@ -7,7 +7,6 @@ use crate::expression::Value;
 use crate::words::word_enums;
 
 word_enums! {
-    /// A rule that compares two values.
     Rule {
         EqualTo: "equalTo",
         NotEqualTo: "notEqualTo",

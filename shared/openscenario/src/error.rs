@@ -16,10 +16,8 @@ impl fmt::Display for Spot {
     }
 }
 
-/// A spot in a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// The file, as it was named.
     pub file: String,
     pub spot: Spot,
 }
@@ -33,10 +31,8 @@ impl fmt::Display for Place {
 /// A scenario, catalog, road or variation file that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReadError {
-    /// The file is not there, or not readable.
     #[error("{file}: {reason}")]
     File { file: String, reason: String },
-    /// The text is not well-formed XML.
     #[error("{place}: {reason}")]
     Syntax { place: Place, reason: String },
     /// A part of the file is outside the subset, does not fit, or cannot be simulated.
@@ -62,7 +58,6 @@ impl ReadError {
         Self::Meaning { place, reason: reason.into(), expected: expected.into() }
     }
 
-    /// An error about an element of a parent.
     pub(crate) fn element(
         place: Place,
         (element, parent): (&str, &str),

@@ -6,18 +6,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Deepest nesting of parentheses.
 const MAX_DEPTH: usize = 100;
 
 /// A value of a parameter, variable or attribute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Value {
-    /// A truth value.
     Boolean(bool),
-    /// A number, whole numbers included.
     Number(f64),
-    /// Any other text.
     Text(String),
 }
 
@@ -34,7 +30,6 @@ impl Value {
         }
     }
 
-    /// The number, if it is one.
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Number(value) => Some(*value),
@@ -67,16 +62,13 @@ fn number(text: &str) -> Option<f64> {
 pub enum Fault<E> {
     /// A fault of the expression: its reason, and what was expected.
     Expression(String, String),
-    /// A parameter without a value.
     Parameter(E),
 }
 
 /// Operators by level, the closest last.
 static LEVELS: [&[&str]; 4] = [&["or"], &["and"], &["+", "-"], &["*", "/", "%"]];
 
-/// A function of one number by its name.
 type OfOne = (&'static str, fn(f64) -> f64);
-/// A function of two numbers by its name.
 type OfTwo = (&'static str, fn(f64, f64) -> f64);
 
 static OF_ONE: [OfOne; 12] = [

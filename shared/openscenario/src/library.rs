@@ -37,7 +37,6 @@ pub trait Source {
     fn list(&self, directory: &Path) -> std::io::Result<Vec<PathBuf>>;
 }
 
-/// The disk.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk;
 
@@ -114,7 +113,6 @@ fn declared(bytes: &[u8]) -> Option<String> {
     Some(name.to_ascii_lowercase())
 }
 
-/// Files in memory, for tests.
 #[cfg(test)]
 pub(crate) mod memory {
     use std::collections::BTreeMap;

@@ -19,7 +19,6 @@ pub struct Assignment {
 }
 
 word_enums! {
-    /// The type of a parameter.
     Type {
         Text: "string",
         Double: "double",
@@ -58,7 +57,6 @@ impl Type {
     }
 }
 
-/// A declared parameter.
 #[derive(Clone, Debug)]
 pub(crate) struct Declaration {
     place: Place,
@@ -69,7 +67,6 @@ pub(crate) struct Declaration {
     groups: Vec<Vec<Constraint>>,
 }
 
-/// A rule and the value to compare with.
 #[derive(Clone, Debug)]
 pub(crate) struct Constraint {
     rule: Raw,
@@ -165,7 +162,6 @@ impl Declaration {
         }
     }
 
-    /// Checks that one of its groups of constraints holds.
     fn constrain(&self, scope: &Scope) -> Result<(), ReadError> {
         let Some(value) = scope.value(&self.name) else { return Ok(()) };
         let mut broken = Vec::new();

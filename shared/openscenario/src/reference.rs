@@ -7,7 +7,6 @@ use crate::declare::{AttributeForm, ChildForm, Element, Form};
 use crate::subset::{CatalogFile, ScenarioFile};
 use crate::variation::VariationFile;
 
-/// The headings of the tables, in order.
 const PARTS: [&str; 8] = [
     "File",
     "Parameters and catalogs",

@@ -23,14 +23,11 @@ pub enum LaneHeadings {
     Traffic,
 }
 
-/// Spots in the scenario file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Spots {
-    /// The declaration of each entity.
     pub entities: Vec<Spot>,
     /// The place in Init that says how each entity begins; its declaration when Init does not.
     pub starts: Vec<Spot>,
-    /// The storyboard's stop trigger.
     pub stop: Option<Spot>,
 }
 
@@ -39,9 +36,7 @@ pub struct Spots {
 pub(crate) struct Scene<'a> {
     /// The files; none where a file is read alone.
     source: Option<&'a dyn Source>,
-    /// The scenario file's directory.
     directory: PathBuf,
-    /// Catalogs by directory.
     catalogs: RefCell<BTreeMap<PathBuf, Rc<Vec<Document>>>>,
     /// The directories of catalogs, each with the name of its location.
     pub locations: RefCell<Vec<Location>>,
@@ -60,9 +55,7 @@ pub(crate) struct Scene<'a> {
     pub headings: Cell<LaneHeadings>,
     /// The file's author says from which direction headings count.
     pub are_headings_guessed: Cell<bool>,
-    /// The actors of the maneuver group that is read.
     pub actors: RefCell<Vec<usize>>,
-    /// The master of the meeting that is read.
     pub master: Cell<usize>,
     pub init: RefCell<Vec<InitAction>>,
     pub spots: RefCell<Spots>,
@@ -77,13 +70,11 @@ pub(crate) struct Scene<'a> {
     pub hindrance: RefCell<Option<String>>,
 }
 
-/// The road with its place in the plane.
 pub(crate) struct Scenery {
     pub road: Road,
     pub ground: Ground,
 }
 
-/// A directory of catalogs.
 #[derive(Clone)]
 pub(crate) struct Location {
     /// The name of the element in `CatalogLocations`.
@@ -102,7 +93,6 @@ impl<'a> Scene<'a> {
         self.source.ok_or_else(|| ErrorKind::NotFound.into())
     }
 
-    /// The path of a file that the scenario names.
     fn path(&self, relative: &str) -> PathBuf {
         self.directory.join(relative.trim_start_matches("./"))
     }

@@ -15,7 +15,6 @@ impl Scope {
         self.0.get(name)
     }
 
-    /// All parameters with their values, by name.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, &Value)> {
         self.0.iter().map(|(name, value)| (name.as_str(), value))
     }
@@ -38,7 +37,6 @@ pub(crate) struct Raw {
 }
 
 impl Raw {
-    /// The error that the attribute does not fit.
     pub(crate) fn wrong(
         &self,
         reason: impl std::fmt::Display,
@@ -89,7 +87,6 @@ impl Raw {
     }
 }
 
-/// The error that a parameter is not declared.
 pub(crate) fn undeclared(place: &Place, name: &str, expected: String) -> ReadError {
     let (place, parameter) = (place.clone(), name.to_owned());
     ReadError::Parameter { place, parameter, reason: "is not declared".to_owned(), expected }

@@ -7,15 +7,12 @@ use crate::error::{Place, ReadError, Spot};
 
 /// Longest file, bytes: road files of whole towns have a few million.
 pub const MAX_FILE_BYTES: usize = 16 << 20;
-/// Deepest nesting of elements.
 const MAX_DEPTH: usize = 64;
 
-/// A well-formed file.
 #[derive(Clone, Debug)]
 pub struct Document {
     /// Its name in errors.
     pub file: String,
-    /// The outermost element.
     pub root: Element,
 }
 
@@ -26,13 +23,11 @@ pub struct Element {
     pub name: String,
     /// The beginning of its start tag.
     pub spot: Spot,
-    /// Attributes in the order of the file.
     pub attributes: Vec<Attribute>,
     /// Elements inside it, in the order of the file.
     pub children: Vec<Element>,
 }
 
-/// An attribute.
 #[derive(Clone, Debug)]
 pub struct Attribute {
     /// Name, without a namespace.
@@ -44,17 +39,14 @@ pub struct Attribute {
 }
 
 impl Element {
-    /// The text of an attribute.
     pub fn attribute(&self, name: &str) -> Option<&str> {
         self.given(name).map(|attribute| attribute.value.as_str())
     }
 
-    /// An attribute with its place.
     pub fn given(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|attribute| attribute.name == name)
     }
 
-    /// The first child of that name.
     pub fn child(&self, name: &str) -> Option<&Element> {
         self.children.iter().find(|child| child.name == name)
     }
@@ -165,7 +157,6 @@ impl<'a> Cursor<'a> {
         Self { text, at: 0, spot: Spot { line: 1, column: 1 } }
     }
 
-    /// The spot of a byte.
     fn at(&mut self, byte: usize) -> Spot {
         if byte < self.at {
             *self = Self::new(self.text);

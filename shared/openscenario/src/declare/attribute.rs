@@ -20,7 +20,6 @@ pub(crate) struct AttributeForm {
     pub optional: bool,
     /// Its unit; empty without one.
     pub unit: &'static str,
-    /// Its allowed values.
     pub kind: fn() -> String,
 }
 
@@ -30,7 +29,6 @@ impl AttributeForm {
     }
 }
 
-/// The type of an attribute that stands there.
 pub(crate) trait Scalar {
     type Value;
 
@@ -43,7 +41,6 @@ pub(crate) trait Scalar {
 /// The type of an attribute, which is optional as `Option`.
 pub(crate) trait FromAttribute {
     const OPTIONAL: bool;
-    /// Its allowed values.
     const KIND: fn() -> String;
     type Value;
 
@@ -71,7 +68,6 @@ impl<S: Scalar> FromAttribute for Option<S> {
     }
 }
 
-/// An attribute that stands there, with its element.
 pub(crate) struct Given<'a> {
     pub node: Node<'a>,
     pub raw: Raw,
@@ -170,13 +166,10 @@ macro_rules! scalars {
 }
 
 scalars! {
-    /// Any finite number.
     pub(crate) Number -> f64: "a number", |given| given.number(&Self::kind(), |_| true);
 
-    /// A number that is 0 or more.
     pub(crate) AtLeastZero -> f64: "0 or more", |given| given.number(&Self::kind(), |it| it >= 0.0);
 
-    /// A number above 0.
     pub(crate) Positive -> f64: "more than 0", |given| given.number(&Self::kind(), |it| it > 0.0);
 
     /// A duration of at most 1e6 s; its value is in ns.
@@ -193,14 +186,11 @@ scalars! {
         }
     };
 
-    /// A whole number.
     pub(crate) Whole -> i32: "a whole number", |given| given.whole(&Self::kind(), i32::MIN);
 
-    /// A whole number, 1 or more.
     pub(crate) Count -> u32: "a whole number, 1 or more",
         |given| given.whole(&Self::kind(), 1).map(i32::unsigned_abs);
 
-    /// `true` or `false`.
     pub(crate) Truth -> bool: "true or false", |given| {
         match given.value()? {
             Value::Boolean(value) => Ok(value),
@@ -212,7 +202,6 @@ scalars! {
         }
     };
 
-    /// Any text.
     pub(crate) Text -> String: "a text", |given| given.text();
 
     /// A number, a truth value or a text.

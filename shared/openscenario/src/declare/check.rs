@@ -4,7 +4,6 @@ use super::{ChildForm, Form};
 use crate::error::{Place, ReadError, meant, one_of};
 use crate::xml::{Document, Element};
 
-/// Versions of scenario files, major and minor.
 pub(crate) const SCENARIO_VERSIONS: &[(&str, &str)] =
     &[("1", "0"), ("1", "1"), ("1", "2"), ("1", "3")];
 /// Versions of catalogs. Their entries are the same since 0.9.
@@ -15,8 +14,7 @@ pub(crate) const CATALOG_VERSIONS: &[(&str, &str)] =
 const REFUSED: &[(&str, &str)] = &[
     ("TrafficAction", "only the entities of the file are on the road"),
     ("Trailer", "no vehicle pulls a trailer"),
-    ("Clothoid", "trajectories are straight pieces"),
-    ("Nurbs", "trajectories are straight pieces"),
+    ("ClothoidSpline", "a trajectory is a `Polyline`, a `Clothoid` or a `Nurbs`"),
     ("FromCurrentEntity", "the place of an entity is a `RelativeRoadPosition`"),
     ("LateralDistanceAction", "no distance across the road is kept"),
 ];

@@ -7,9 +7,7 @@ use crate::error::{Place, ReadError, one_of};
 
 /// Elements of which one stands in a place.
 pub(crate) trait Choice {
-    /// Their names and forms.
     const ALTERNATIVES: &'static [(&'static str, &'static Form)];
-    /// The value that each reader returns.
     type Value;
 
     /// Reads a node that has one of the names.
@@ -25,7 +23,6 @@ impl<E: Element> Choice for E {
     }
 }
 
-/// One element of a tuple.
 pub(crate) struct OneOf<T>(PhantomData<T>);
 
 macro_rules! choices {
@@ -127,7 +124,6 @@ impl<C: Choice> Content for Vec<C> {
     }
 }
 
-/// One element or more.
 pub(crate) struct AtLeastOne<C>(PhantomData<C>);
 
 impl<C: Choice> Content for AtLeastOne<C> {

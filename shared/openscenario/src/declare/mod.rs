@@ -33,13 +33,9 @@ pub(crate) use check::{CATALOG_VERSIONS, SCENARIO_VERSIONS, check, check_head};
 pub(crate) use content::{AtLeastOne, ChildForm, Choice, Content, OneOf, Placed};
 pub(crate) use node::Node;
 
-/// A declared element.
 pub(crate) trait Element {
-    /// Its name in a file.
     const NAME: &'static str;
-    /// Its allowed content.
     const FORM: &'static Form;
-    /// The value that its reader returns.
     type Value;
 
     /// Reads it. The node has been checked against the form.
@@ -55,11 +51,9 @@ pub(crate) struct Form {
     pub attributes: &'static [AttributeForm],
     /// Attributes that have no effect; a name ends in `?` where it may be absent. `*` stands for any content.
     pub unused: &'static [&'static str],
-    /// Elements inside it.
     pub children: &'static [ChildForm],
 }
 
-/// Declares elements; the module's documentation has an example.
 macro_rules! elements {
     ($part:literal; $(
         $(#[doc = $effect:literal])+

@@ -23,7 +23,6 @@ impl<'a> Node<'a> {
         Place { file: self.file.to_owned(), spot: self.element.spot }
     }
 
-    /// The error that this element cannot be simulated.
     pub(crate) fn refuse(
         &self,
         reason: impl Into<String>,
@@ -32,7 +31,6 @@ impl<'a> Node<'a> {
         ReadError::meaning(self.place(), reason, expected)
     }
 
-    /// The error that an attribute does not fit.
     pub(crate) fn wrong(
         &self,
         attribute: &str,

@@ -11,7 +11,10 @@ use crate::words::word_enums;
 #[serde(rename_all = "kebab-case")]
 pub enum Action {
     /// The speed follows a shape to its target.
-    Speed { target: SpeedTarget, transition: Transition },
+    Speed {
+        target: SpeedTarget,
+        transition: Transition,
+    },
     /// A distance to another entity is reached, and kept if continuous.
     Distance(Distance),
     /// The lateral position follows a shape to another lane.
@@ -32,8 +35,13 @@ pub enum Action {
     },
     Trajectory(Trajectory),
     Teleport(Position),
-    Add { entity: usize, position: Position },
-    Delete { entity: usize },
+    Add {
+        entity: usize,
+        position: Position,
+    },
+    Delete {
+        entity: usize,
+    },
     Set {
         /// Its place among the script's values.
         value: usize,
@@ -155,7 +163,10 @@ pub enum Gap {
 pub enum LaneTarget {
     Lane(i32),
     /// A lane to the left of an entity's lane.
-    Beside { entity: usize, lanes_left: i32 },
+    Beside {
+        entity: usize,
+        lanes_left: i32,
+    },
     /// A lateral position, m, for roads without lanes.
     Lateral(f64),
 }

@@ -14,6 +14,7 @@ use crate::words::word_enums;
 #[serde(transparent)]
 pub struct Trigger(pub Vec<Vec<Condition>>);
 
+/// A condition with its edge and delay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Condition {
     /// The change that it waits for.
@@ -28,11 +29,15 @@ word_enums! {
     Edge {
         /// No change: the condition holds while its test does.
         None: "none",
+        /// From false to true.
         Rising: "rising",
+        /// From true to false.
         Falling: "falling",
+        /// Either.
         RisingOrFalling: "risingOrFalling",
     }
 
+    /// The direction of a distance.
     Along {
         /// Along the axes.
         Longitudinal: "longitudinal",
@@ -49,26 +54,32 @@ word_enums! {
 pub enum Test {
     /// Time since the start, s.
     Time { rule: Rule, value: f64 },
+    /// A parameter or variable.
     Value {
         /// Its place among the script's values.
         of: usize,
         rule: Rule,
         value: Value,
     },
+    /// A part of the storyboard.
     Element {
         kind: ElementKind,
         /// Its name, or its path with `::`.
         name: String,
+        /// The state or transition.
         state: ElementState,
     },
+    /// A test of entities.
     Entity {
         entities: Vec<usize>,
         /// True if all of them must meet it, rather than one.
         all: bool,
+        /// The test of each.
         is: EntityTest,
     },
 }
 
+/// A test of one entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EntityTest {
@@ -78,6 +89,7 @@ pub enum EntityTest {
     Offroad(f64),
     /// Speed 0 for that long, s.
     StandStill(f64),
+    /// Bodies overlap.
     Collision(CollisionWith),
     /// At least that far since the start, m.
     TraveledDistance(f64),
@@ -87,6 +99,7 @@ pub enum EntityTest {
     Speed { rule: Rule, value: f64 },
     /// Own speed minus another's, m/s.
     RelativeSpeed { entity: usize, rule: Rule, value: f64 },
+    /// Near a position.
     ReachPosition {
         position: Position,
         /// Largest distance to it, m.
@@ -105,11 +118,14 @@ pub enum EntityTest {
 #[serde(rename_all = "kebab-case")]
 pub enum CollisionWith {
     Entity(usize),
+    /// Any entity of a category.
     Category(Category),
 }
 
+/// Measure of a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
+    /// The far end.
     pub target: Target,
     /// True if it counts between the bodies, not the origins.
     pub freespace: bool,

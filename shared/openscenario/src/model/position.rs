@@ -19,9 +19,11 @@ pub enum From {
         /// Across it, positive to the left, m.
         t_m: f64,
     },
+    /// Seen from an entity.
     Entity { entity: usize, offset: Offset },
 }
 
+/// A place seen from an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Offset {
@@ -31,6 +33,7 @@ pub enum Offset {
     Plane { dx_m: f64, dy_m: f64 },
     /// In the entity's own axes, m.
     Own { ahead_m: f64, left_m: f64 },
+    /// On a lane beside the entity's lane.
     Lane {
         lanes_left: i32,
         /// Along the road in its direction, m.
@@ -50,6 +53,7 @@ impl Position {
     }
 }
 
+/// A heading.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Heading {

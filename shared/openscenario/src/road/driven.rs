@@ -11,7 +11,6 @@ use crate::xml;
 
 /// Distance between two heights, m.
 const HEIGHT_SPACING_M: f64 = 20.0;
-/// Shortest line, m.
 const SHORTEST_M: f64 = 1e-3;
 /// Most heights of a line; longer lines have larger distances.
 const MAX_HEIGHTS: f64 = 4000.0;
@@ -19,7 +18,6 @@ const MAX_HEIGHTS: f64 = 4000.0;
 /// A line along a road, as data: its axis is made from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Driven {
-    /// The pieces of the road's reference line.
     pub pieces: Vec<Laid>,
     /// The line's distance to the left of the reference line, m.
     pub offset: Profile,
@@ -32,7 +30,6 @@ pub struct Driven {
 /// The lane of an OpenDRIVE file on which a drive begins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrivenLane {
-    /// The line in the middle of the lane.
     pub line: Driven,
     /// Beginning of the line in the coordinates of the file.
     pub start: Pose,

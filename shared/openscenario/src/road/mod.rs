@@ -18,14 +18,11 @@ pub(crate) use ground::Ground;
 pub(crate) use opendrive::nearest;
 pub use opendrive::{Found, read};
 
-/// Width of the lanes of an assumed road, m.
 pub const ASSUMED_LANE_WIDTH_M: f64 = 3.5;
-/// Lanes on each side of an assumed road.
 const ASSUMED_LANES: i32 = 8;
 /// A place at the very end of a part belongs to it, not to the next one, m.
 const INSIDE_M: f64 = 1e-6;
 
-/// A road.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Road {
     /// Its length, m; a road without one has no end.
@@ -34,14 +31,12 @@ pub struct Road {
     pub parts: Vec<Part>,
     /// The pieces of its reference line; none for a straight line along the x axis.
     pub pieces: Vec<Laid>,
-    /// Traffic keeps to the left.
     pub left_hand: bool,
     pub lanes: Lanes,
     /// Height of the reference line, m.
     pub heights: Profile,
 }
 
-/// A road of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Part {
     pub id: String,
@@ -130,12 +125,10 @@ impl Road {
         }
     }
 
-    /// Start of its reference line in the plane.
     pub fn start(&self) -> Pose {
         self.pieces.first().map_or(Pose::default(), |laid| laid.start)
     }
 
-    /// The file's road of an id.
     pub fn part(&self, id: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.id == id)
     }
@@ -145,7 +138,6 @@ impl Road {
         one_of(self.parts.iter().map(|part| part.id.as_str()))
     }
 
-    /// The lane of an id at a place, m.
     pub fn lane(&self, s_m: f64, id: i32) -> Option<Strip> {
         self.lanes.strip(s_m, id)
     }

@@ -5,12 +5,11 @@ use road::Pose;
 use super::catalog::FromCatalog;
 use super::position::{
     LanePosition, Orientation, RelativeLanePosition, RelativeObjectPosition, RelativeRoadPosition,
-    RelativeWorldPosition, RoadPosition, WorldPosition, oriented,
+    RelativeWorldPosition, RoadPosition, WorldPosition, in_plane, oriented,
 };
 use super::route::Route;
 use super::trajectory::TrajectoryRef;
 use crate::declare::{AtLeastZero, Number, OneOf, Whole, elements};
-use crate::model::action::Vertex;
 use crate::model::position::{self, From, Heading};
 use crate::parameter::Scoped;
 
@@ -89,14 +88,8 @@ elements! { "Positions";
     {turn: Option<Orientation>, corners: TrajectoryRef}
     |node| {
         let ground = &node.scene.road(None)?.ground;
-        let place = |corner: &Vertex| match corner.position.from {
-            From::Road { s_m, t_m } => Ok((s_m, ground.point(s_m, t_m))),
-            From::Entity { .. } => {
-                let reason = "a line that is seen from an entity has no coordinates of its own";
-                Err(node.refuse(reason, "vertices on the road"))
-            }
-        };
-        let places = corners.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        let places = corners.iter().map(|corner| in_plane(node, &corner.position));
+        let places = places.collect::<Result<Vec<_>, _>>()?;
         let mut rest_m = s_m;
         for ((near_s_m, a), (_, b)) in places.iter().zip(&places[1..]) {
             let (dx_m, dy_m) = (b.x_m - a.x_m, b.y_m - a.y_m);

@@ -3,7 +3,6 @@
 use crate::declare::{AtLeastZero, Node, Number, elements, scalars};
 use crate::model::Body;
 
-/// Largest extent of a body, m.
 const MAX_EXTENT_M: f64 = 100.0;
 
 scalars! {

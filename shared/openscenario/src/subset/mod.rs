@@ -5,6 +5,7 @@ mod along;
 mod body;
 mod catalog;
 mod condition;
+mod curve;
 mod entity;
 mod environment;
 mod file;

@@ -2,6 +2,8 @@
 
 use std::rc::Rc;
 
+use road::Pose;
+
 use super::reference::EntityName;
 use crate::declare::{AtLeastZero, Node, Number, OneOf, Text, Whole, elements, scalars, words};
 use crate::error::ReadError;
@@ -191,4 +193,22 @@ fn on_road(node: Node<'_>, part: &Part, s_m: f64) -> Result<(), ReadError> {
     }
     let reason = format!("{s_m} m are beyond the road's end");
     Err(node.wrong("s", reason, format!("at most {}", part.length_m)))
+}
+
+/// The place of a position along the reference line, m, and its pose in the plane.
+pub(super) fn in_plane(
+    node: Node<'_>,
+    position: &position::Position,
+) -> Result<(f64, Pose), ReadError> {
+    let ground = &node.scene.road(None)?.ground;
+    let From::Road { s_m, t_m } = position.from else {
+        let reason = "a line that is seen from an entity has no coordinates of its own";
+        return Err(node.refuse(reason, "places on the road"));
+    };
+    let at = ground.point(s_m, t_m);
+    let heading_rad = match position.heading {
+        Heading::Plane(heading_rad) => heading_rad,
+        Heading::Road(heading_rad) | Heading::Entity(heading_rad) => at.heading_rad + heading_rad,
+    };
+    Ok((s_m, Pose { heading_rad, ..at }))
 }

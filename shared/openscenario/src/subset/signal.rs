@@ -81,7 +81,6 @@ elements! { "File";
 }
 
 scalars! {
-    /// The name of a controller of traffic signals.
     ControllerName -> SignalCycle: "a controller", |given| {
         let (name, scene) = (given.text()?, given.node.scene);
         controller_named(scene, &name).map_err(|Unknown(names)| {
@@ -121,14 +120,12 @@ fn unseen(node: Node<'_>) {
     );
 }
 
-/// The controller of a name.
 fn controller_named(scene: &Scene, name: &str) -> Result<SignalCycle, Unknown> {
     let controllers = scene.controllers.borrow();
     let place = place_of(name, controllers.iter().map(|(name, _)| name.as_str()))?;
     Ok(controllers[place].1.clone())
 }
 
-/// The number of a phase of a controller.
 fn phase_of(node: Node<'_>, controller: &SignalCycle, name: &str) -> Result<usize, ReadError> {
     place_of(name, controller.phases.iter().map(|phase| phase.name.as_str())).map_err(
         |Unknown(expected)| node.wrong("phase", format!("there is no phase `{name}`"), expected),

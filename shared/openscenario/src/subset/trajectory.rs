@@ -1,6 +1,7 @@
 //! Trajectories.
 
 use super::catalog::FromCatalog;
+use super::curve::{Clothoid, Nurbs};
 use super::longitudinal::FollowingMode;
 use super::position::Spot;
 use super::route::{AcquirePositionAction, AssignRouteAction};
@@ -51,8 +52,8 @@ elements! { "Actions";
         Ok(vertices)
     }
 
-    /// clothoids and NURBS are refused
-    TrajectoryShape = "Shape" -> Vec<Corner> [] {vertices: Polyline}
+    /// the line
+    TrajectoryShape = "Shape" -> Vec<Corner> [] {vertices: OneOf<(Polyline, Clothoid, Nurbs)>}
 
     /// straight pieces between two or more vertices
     Polyline -> Vec<Corner> [] {vertices: AtLeastOne<Vertex>}

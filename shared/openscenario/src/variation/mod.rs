@@ -16,7 +16,6 @@ use crate::scope::Scope;
 use file::ParameterValueDistribution;
 pub(crate) use file::VariationFile;
 
-/// Most runs of a variation.
 pub const MAX_RUNS: usize = 1_000_000;
 /// A variation file: a scenario, and the values of its parameters for each run.
 ///
@@ -73,7 +72,6 @@ impl Variation {
         }
     }
 
-    /// Number of combinations.
     pub fn len(&self) -> usize {
         self.combinations.iter().map(Vec::len).product()
     }
@@ -83,7 +81,6 @@ impl Variation {
         self.len() == 0
     }
 
-    /// The values of one combination.
     pub fn get(&self, index: usize) -> Vec<Assignment> {
         let mut rest = index;
         let mut values = Vec::new();

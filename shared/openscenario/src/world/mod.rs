@@ -9,7 +9,6 @@ mod bend;
 mod check;
 mod condition;
 mod distance;
-mod end;
 mod geometry;
 mod meeting;
 mod motion;
@@ -44,15 +43,9 @@ use storyboard::Progress;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorldError {
     #[error("{what} {index} does not exist, expected less than {count}")]
-    Index {
-        what: &'static str,
-        index: usize,
-        count: usize,
-    },
-    /// The pieces of the road make no axis.
+    Index { what: &'static str, index: usize, count: usize },
     #[error("the road: {0}")]
     Road(#[from] road::AxisError),
-    /// The lanes of the road do not fit together.
     #[error(
         "the lanes of the road do not fit together, expected sections in order whose links lead to lanes"
     )]
@@ -60,7 +53,6 @@ pub enum WorldError {
     /// A condition names a part of the storyboard that is not there.
     #[error("{0}")]
     Element(#[from] NotFound),
-    /// An entity cannot begin as Init says.
     #[error("`{entity}` {reason}")]
     Start { entity: String, reason: String },
 }
@@ -83,7 +75,6 @@ pub struct State {
     stopped: bool,
     /// The ego came to the end of its road, and the drive ends there.
     road_ended: bool,
-    /// The ego has been on its road.
     was_on_road: bool,
     /// A part of the storyboard has changed since this was cleared.
     changed: bool,
@@ -91,7 +82,6 @@ pub struct State {
     progress: Vec<Progress>,
     conditions: Vec<ConditionMemory>,
     values: Vec<Value>,
-    /// Controllers of traffic signals.
     cycles: Vec<Cycle>,
 }
 
@@ -224,7 +214,6 @@ impl World {
         &self.script
     }
 
-    /// The motion of an entity.
     pub fn motion(&self, entity: usize) -> Motion {
         self.state.movers[entity].motion
     }

@@ -10,7 +10,6 @@ use crate::world::profile::Profile;
 use crate::world::shape::{MAX_SPEED_MPS, SpeedShape, seconds};
 use crate::world::state::Motion;
 
-/// An entity with its longitudinal and lateral action.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Mover {
     pub motion: Motion,
@@ -38,7 +37,6 @@ pub(super) enum Part {
     Path,
 }
 
-/// Longitudinal action.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) enum Pace {
     /// None: the speed stays.
@@ -84,7 +82,6 @@ pub(super) enum Course {
     Way { start_m: f64, length_m: f64 },
 }
 
-/// A line being followed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Path {
     /// Corners: time since the start of the run in s, or distance in m; then `s` and `t`.

@@ -46,7 +46,6 @@ impl World {
     }
 }
 
-/// A time as a signed one.
 fn signed(time_ns: u64) -> i64 {
     i64::try_from(time_ns).unwrap_or(i64::MAX)
 }

@@ -8,12 +8,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::model::Drive;
 use crate::model::element::{ElementKind, ElementState};
 use crate::model::storyboard::Priority;
 use crate::world::World;
+use crate::world::motion::{Mover, Pace, Part, Path};
 use crate::world::plan::{Element, Plan};
 
-/// Progress of a part of the storyboard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Progress {
     phase: Phase,
@@ -23,7 +24,6 @@ pub(super) struct Progress {
     pending: u32,
     /// The step in which it started or was skipped last.
     started: u64,
-    /// The last transition, with its step.
     transition: Option<(ElementState, u64)>,
 }
 
@@ -211,7 +211,6 @@ impl World {
         }
     }
 
-    /// Ends a part from outside.
     fn stop(&mut self, index: usize) {
         let phase = self.state.progress[index].phase;
         if phase == Phase::Complete {
@@ -267,6 +266,51 @@ impl World {
         if let Some(element) = element {
             self.state.progress[element].phase = Phase::Complete;
             self.mark(element, how);
+        }
+    }
+
+    /// Ends a part of an entity's motion at its own end.
+    pub(super) fn end(&mut self, actor: usize, part: Part) {
+        let mover = &mut self.state.movers[actor];
+        let is_scripted = self.script.entities[actor].drive == Drive::Scripted;
+        if matches!(part, Part::Pace) && is_scripted {
+            mover.motion.acceleration_mps2 = 0.0;
+        }
+        self.finish_part(actor, part, ElementState::EndTransition);
+    }
+
+    /// Ends a part of an entity's motion, because another action replaces it or its event is stopped. A timed trajectory
+    /// is longitudinal too.
+    pub(super) fn clear(&mut self, actor: usize, part: Part) {
+        if matches!(part, Part::Steer) {
+            self.state.movers[actor].motion.lateral_mps = 0.0;
+        }
+        self.finish_part(actor, part, ElementState::StopTransition);
+        let timed = |mover: &Mover| mover.path.as_ref().is_some_and(Path::is_timed);
+        if matches!(part, Part::Pace) && timed(&self.state.movers[actor]) {
+            self.clear(actor, Part::Path);
+        }
+    }
+
+    fn finish_part(&mut self, actor: usize, part: Part, how: ElementState) {
+        let mover = &mut self.state.movers[actor];
+        match part {
+            Part::Pace => mover.pace = Pace::Free,
+            Part::Steer => mover.steer = None,
+            Part::Path => mover.path = None,
+        }
+        let owner = mover.owners[part as usize].take();
+        self.release(owner, how);
+    }
+
+    /// Ends everything that a storyboard's action does, because its event is stopped.
+    pub(super) fn abandon(&mut self, element: usize) {
+        for actor in 0..self.state.movers.len() {
+            for part in [Part::Pace, Part::Steer, Part::Path] {
+                if self.state.movers[actor].owners[part as usize] == Some(element) {
+                    self.clear(actor, part);
+                }
+            }
         }
     }
 }

@@ -9,17 +9,14 @@ use crate::xml::Element;
 /// Share by which a cubic's declared length may differ from its true one without a notice.
 const NOTICED: f64 = 0.01;
 
-/// The reference line of one road.
 pub struct Line<'a> {
     pub pieces: Vec<Laid>,
     pub length_m: f64,
-    /// The element of each piece.
     elements: Vec<&'a Element>,
     pub notices: Vec<String>,
 }
 
 impl<'a> Line<'a> {
-    /// Reads the geometries of a road.
     pub fn read(text: Text<'_>, road: &'a Element) -> Result<Self, ReadError> {
         let declared_m = text.number(road, "length")?;
         if !(declared_m > 0.0) {
@@ -82,7 +79,6 @@ impl<'a> Line<'a> {
         })
     }
 
-    /// The same line from its end.
     pub fn reversed(&self) -> Vec<Laid> {
         let turned = |laid: &Laid| {
             let end = Axis::new(&[laid.piece]).map(|axis| axis.pose(laid.piece.length_m()));
@@ -94,7 +90,6 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The shape of a geometry.
 fn piece(text: Text<'_>, element: &Element, length_m: f64) -> Result<Piece, ReadError> {
     const SHAPES: &str = "`line`, `arc`, `spiral`, `poly3` or `paramPoly3`";
     let is_shape = |child: &&Element| {

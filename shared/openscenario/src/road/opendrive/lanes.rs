@@ -7,7 +7,6 @@ use super::text::{Text, children};
 use crate::error::ReadError;
 use crate::xml::Element;
 
-/// Lane types that no vehicle drives on.
 const NOT_DRIVABLE: [&str; 15] = [
     "shoulder",
     "border",
@@ -38,13 +37,10 @@ pub struct Side {
 /// A lane's link to a lane of another road or section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// The lane's own id.
     pub id: i32,
-    /// The other's.
     pub to: Option<i32>,
 }
 
-/// Links of the lanes of a section to both sides.
 struct Links {
     before: Vec<Link>,
     after: Vec<Link>,

@@ -19,7 +19,6 @@ use text::{Text, children};
 /// Most roads that an error lists.
 const MOST_LISTED: usize = 8;
 
-/// A road as it was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     pub road: Road,

@@ -10,14 +10,11 @@ use crate::error::ReadError;
 use crate::road::{Part, Road};
 use crate::xml::Element;
 
-/// Roads that follow each other.
 pub struct Row<'a> {
     members: Vec<Member<'a>>,
-    /// The place of the road that was asked for.
     asked: usize,
 }
 
-/// A road of the file in a row.
 #[derive(Clone, Copy)]
 struct Member<'a> {
     road: &'a Element,
@@ -27,7 +24,6 @@ struct Member<'a> {
 
 /// A member as it was read, in the direction of the row.
 struct Read {
-    /// A road of this member alone.
     road: Road,
     /// End of its last piece; an error if it cannot be driven.
     end: Result<Pose, ReadError>,
@@ -97,7 +93,6 @@ impl<'a> Member<'a> {
     }
 }
 
-/// True if a link of `road` names the other road.
 fn names(road: &Element, link: &str, other: &Element) -> bool {
     let to = road.child("link").and_then(|links| links.child(link));
     to.is_some_and(|to| to.attribute("elementId") == other.attribute("id"))
@@ -130,12 +125,10 @@ impl<'a> Row<'a> {
         Self { members: before, asked }
     }
 
-    /// Number of roads.
     pub fn len(&self) -> usize {
         self.members.len()
     }
 
-    /// Reads its roads as one.
     pub fn read(&self, text: Text<'_>) -> Result<Found, ReadError> {
         let mut notices = Vec::new();
         // The roads so far, the links at the end, and its pose.

@@ -8,7 +8,6 @@ use crate::xml::Element;
 /// Largest factor of a cubic: with a larger one a height or a width might not be finite.
 const MAX_FACTOR: f64 = 1e6;
 
-/// The file that is read.
 #[derive(Clone, Copy)]
 pub struct Text<'a> {
     pub file: &'a str,
@@ -97,7 +96,6 @@ impl Text<'_> {
     }
 }
 
-/// The children of a name.
 pub fn children<'a>(element: &'a Element, name: &'a str) -> impl Iterator<Item = &'a Element> {
     element.children.iter().filter(move |child| child.name == name)
 }
