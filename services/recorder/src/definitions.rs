@@ -1,7 +1,8 @@
 //! Channels of a file that carry our messages.
 
 use crate::schema;
-use bags::mcap::{self as format, Channel, Malformed, Schema, opcode};
+use bags::mcap::Record;
+use mcap::records::{Channel, SchemaHeader};
 use messages::{TOPICS, Topic};
 use std::collections::BTreeMap;
 
@@ -26,34 +27,34 @@ pub(crate) struct Definitions {
 
 impl Definitions {
     /// Takes a record of a schema or of a channel.
-    pub(crate) fn take(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
-        match opcode {
-            opcode::SCHEMA => self.schema(&format::schema(body)?),
-            _ => self.channel(&format::channel(body)?),
+    pub(crate) fn take(&mut self, record: &Record<'_>) {
+        match record {
+            Record::Schema { header, data } => self.schema(header, data),
+            Record::Channel(channel) => self.channel(channel),
+            _ => {}
         }
-        Ok(())
     }
 
-    fn schema(&mut self, schema: &Schema<'_>) {
+    fn schema(&mut self, schema: &SchemaHeader, definition: &[u8]) {
         let fingerprint = (schema.encoding == SCHEMA_ENCODING)
-            .then(|| schema::fingerprint(&String::from_utf8_lossy(schema.definition)));
+            .then(|| schema::fingerprint(&String::from_utf8_lossy(definition)));
         let ours = TOPICS.into_iter().find(|topic| topic.layout().type_name == schema.name);
         self.schemas.insert(schema.id, (fingerprint, ours));
     }
 
-    fn channel(&mut self, channel: &Channel<'_>) {
-        let (fingerprint, ours) = self.schemas.get(&channel.schema).copied().unwrap_or_default();
-        match Topic::by_name(channel.topic) {
+    fn channel(&mut self, channel: &Channel) {
+        let (fingerprint, ours) = self.schemas.get(&channel.schema_id).copied().unwrap_or_default();
+        match Topic::by_name(&channel.topic) {
             Some(topic) if fingerprint == Some(of_ours(topic)) && is_cdr(channel) => {
                 self.channels.insert(channel.id, topic);
             }
             Some(_) => {
-                self.other_layout.get_or_insert_with(|| channel.topic.to_owned());
+                self.other_layout.get_or_insert_with(|| channel.topic.clone());
             }
             // A topic that others added to the file is theirs.
             None => {
                 if let Some(ours) = ours.filter(|_| channel.topic.len() <= LONGEST_NAME) {
-                    self.renamed.insert(channel.id, (channel.topic.to_owned(), ours));
+                    self.renamed.insert(channel.id, (channel.topic.clone(), ours));
                 }
             }
         }
@@ -89,6 +90,6 @@ fn of_ours(topic: Topic) -> u64 {
     schema::fingerprint(&schema::ros2_definition(topic.layout()))
 }
 
-fn is_cdr(channel: &Channel<'_>) -> bool {
-    channel.encoding == MESSAGE_ENCODING
+fn is_cdr(channel: &Channel) -> bool {
+    channel.message_encoding == MESSAGE_ENCODING
 }

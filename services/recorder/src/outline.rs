@@ -3,7 +3,8 @@
 
 use crate::source::{Source, Spot, Window};
 use crate::{Damage, Metadata, Tally};
-use bags::mcap::{self as format, Fields, MAGIC, Malformed, Statistics, opcode};
+use bags::mcap::{MAGIC, Malformed, Record, opcode, parse};
+use mcap::records::Statistics;
 use std::io;
 
 /// Longest record that is read whole, but for chunks, bytes.
@@ -73,8 +74,8 @@ impl Outline {
     fn data(&mut self, window: &mut Window, spot: Spot) -> io::Result<()> {
         match spot.opcode {
             opcode::CHUNK if spot.length >= 16 => {
-                let mut times = Fields(window.bytes(spot.body(), 16)?);
-                let (first, last) = (times.u64().unwrap_or(0), times.u64().unwrap_or(0));
+                let [first, last]: [u64; 2] =
+                    bytemuck::pod_read_unaligned(window.bytes(spot.body(), 16)?);
                 // A chunk of definitions has no times.
                 if last > 0 && first < self.last {
                     self.foreign = Some("its chunks are not in the order of their log times");
@@ -109,13 +110,14 @@ impl Outline {
     }
 
     fn take(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
-        match opcode {
-            opcode::METADATA => {
-                let (name, map) = format::metadata(body)?;
-                self.metadata = self.metadata.take().or_else(|| Metadata::of_record(name, &map));
-                self.tally = self.tally.take().or_else(|| Tally::of_record(name, &map));
+        match parse(opcode, body)? {
+            Record::Metadata(record) => {
+                let (name, map) = (&*record.name, &record.metadata);
+                self.metadata = self.metadata.take().or_else(|| Metadata::of_record(name, map));
+                self.tally = self.tally.take().or_else(|| Tally::of_record(name, map));
             }
-            _ => self.statistics = Some(format::statistics(body)?),
+            Record::Statistics(statistics) => self.statistics = Some(statistics),
+            _ => {}
         }
         Ok(())
     }

@@ -137,16 +137,19 @@ impl Recording {
     /// The file's own statistics, without reading any message; `None` in a file without an end or without statistics.
     pub fn statistics(&self) -> Option<Survey> {
         let (tally, statistics) = (self.outline.tally.as_ref()?, self.outline.statistics.as_ref()?);
-        let counts = self.definitions.counts(&statistics.channels)?;
+        let counts = self.definitions.counts(&statistics.channel_message_counts)?;
         let topics = counts.into_iter().map(|(topic, messages)| {
             let counted = tally.topics.get(topic.name()).copied().unwrap_or_default();
             // Others may have taken messages out of the file since.
             let lost = counted.messages.saturating_add(counted.lost).saturating_sub(messages);
             (topic.name().to_owned(), TopicTally { messages, lost })
         });
-        let end_ns = match statistics.messages {
+        let end_ns = match statistics.message_count {
             0 => 0,
-            _ => i64::try_from(statistics.end).unwrap_or(i64::MAX) - self.metadata.epoch_ns,
+            _ => {
+                i64::try_from(statistics.message_end_time).unwrap_or(i64::MAX)
+                    - self.metadata.epoch_ns
+            }
         };
         Some(Survey {
             tally: Tally { topics: topics.collect(), incarnations: tally.incarnations.clone() },

@@ -4,8 +4,7 @@ use crate::Damage;
 use crate::cdr::ENCAPSULATION;
 use crate::definitions::Definitions;
 use crate::source::{Source, Spot, Window};
-use bags::mcap::{self as format, Malformed, opcode};
-use bags::mcap::{LONGEST_CHUNK, UnpackError, unpack};
+use bags::mcap::{self as format, LONGEST_CHUNK, Malformed, UnpackError, opcode, unpack};
 use messages::{Header, Message, Topic};
 use std::collections::VecDeque;
 use std::io;
@@ -75,8 +74,6 @@ pub struct Records {
 enum BrokenChunk {
     #[error("it is longer than a chunk may be")]
     TooLong,
-    #[error("its lengths do not fit")]
-    Lengths,
     #[error("a record in it is not whole")]
     Record,
     #[error("a message of `{}` in it is not as its type lays it out", .0.name())]
@@ -162,7 +159,7 @@ impl Records {
     fn take_chunk(&mut self, spot: Spot) -> Result<(), BrokenChunk> {
         let length = usize::try_from(spot.length).ok().filter(|_| spot.length <= LONGEST_CHUNK);
         let body = self.window.bytes(spot.body(), length.ok_or(BrokenChunk::TooLong)?)?;
-        let records = unpack(&format::chunk(body).map_err(|_| BrokenChunk::Lengths)?)?;
+        let records = unpack(body)?;
         let whole = self.take_records(&records);
         self.chunk = Arc::new(records);
         whole
@@ -173,20 +170,19 @@ impl Records {
         while !rest.is_empty() {
             let (opcode, body, behind) = format::record(rest)?;
             rest = behind;
-            match opcode {
-                opcode::SCHEMA | opcode::CHANNEL => {
-                    self.definitions.take(opcode, body)?;
+            match format::parse(opcode, body)? {
+                record @ (format::Record::Schema { .. } | format::Record::Channel(_)) => {
+                    self.definitions.take(&record);
                     if let Some(topic) = self.definitions.other_layout() {
                         return Err(BrokenChunk::Layout(topic.to_owned()));
                     }
                 }
-                opcode::MESSAGE => {
-                    let (head, payload) = format::message(body)?;
+                format::Record::Message { header: head, data: payload } => {
                     let asked = |topic: &Topic| self.topics.contains(topic);
-                    let Some(topic) = self.definitions.topic(head.channel).filter(asked) else {
+                    let Some(topic) = self.definitions.topic(head.channel_id).filter(asked) else {
                         continue;
                     };
-                    if !is_ours(topic, payload) {
+                    if !is_ours(topic, &payload) {
                         return Err(BrokenChunk::Payload(topic));
                     }
                     let end = bytes.len() - rest.len();

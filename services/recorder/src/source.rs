@@ -114,7 +114,8 @@ impl Window {
         if left < HEAD as u64 {
             return Ok(None);
         }
-        let (opcode, length) = format::head(self.bytes(at, HEAD)?).expect("a whole head");
+        let (opcode, length) =
+            format::head(self.bytes(at, HEAD)?.try_into().expect("a whole head"));
         let fits = length <= left - HEAD as u64;
         Ok((fits && opcode != 0).then_some(Spot { opcode, at, length }))
     }

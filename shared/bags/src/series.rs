@@ -67,7 +67,7 @@ fn is_bag_file(path: &Path) -> bool {
     let read =
         is_file && File::open(path).is_ok_and(|mut file| file.read_exact(&mut first).is_ok());
     let kinds = EARLIER.map(|(magic, ..)| magic);
-    read && kinds.iter().chain([&&mcap::MAGIC[..]]).any(|magic| first.starts_with(magic))
+    read && kinds.iter().chain([&mcap::MAGIC]).any(|magic| first.starts_with(magic))
 }
 
 /// Lists the topics of the file at `path`, by name.
@@ -155,7 +155,7 @@ fn read_path(path: &Path, sink: &mut dyn Sink) -> Result<(), BagError> {
 fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result<(), BagError> {
     let mut first = Vec::new();
     file.by_ref().take(FIRST as u64).read_to_end(&mut first)?;
-    if first.starts_with(&mcap::MAGIC) {
+    if first.starts_with(mcap::MAGIC) {
         return mcap::read(file, sink);
     }
     Err(match EARLIER.iter().find(|(magic, ..)| first.starts_with(magic)) {

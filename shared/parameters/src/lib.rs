@@ -58,7 +58,6 @@ pub struct Row {
 
 impl Row {
     /// True if a value is within the range; NaN is not.
-    #[must_use]
     pub fn accepts(&self, value: f64) -> bool {
         let (least, most) = self.range;
         (least..=most).contains(&value) && !(self.excludes_least && value == least)

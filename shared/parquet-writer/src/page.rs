@@ -38,7 +38,6 @@ pub enum Cells {
 
 impl Cells {
     /// Number of cells.
-    #[must_use]
     pub fn len(&self) -> usize {
         match self {
             Self::Number(cells) => cells.len(),
@@ -49,7 +48,6 @@ impl Cells {
     }
 
     /// True if there is no cell.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -32,7 +32,6 @@ pub struct Interval {
 
 impl Interval {
     /// True if all of it is above 0, or all of it below.
-    #[must_use]
     pub fn leaves_out_zero(&self) -> bool {
         self.low > 0.0 || self.high < 0.0
     }
@@ -42,7 +41,6 @@ impl Interval {
 ///
 /// # Panics
 /// If `tails` is not between 0 and 1.
-#[must_use]
 pub fn interval(differences: &[f64], tails: f64) -> Option<Interval> {
     assert!(tails > 0.0 && tails < 1.0, "a probability, and no {tails}");
     let pieces = pieces(differences.len());
@@ -63,7 +61,6 @@ pub fn interval(differences: &[f64], tails: f64) -> Option<Interval> {
 /// assert_eq!(statistics::least_pairs(0.05), Some(6));
 /// assert_eq!(statistics::least_pairs(0.05 / 12.0), Some(9));
 /// ```
-#[must_use]
 pub fn least_pairs(tails: f64) -> Option<usize> {
     (1..=MOST_LISTED).find(|pairs| place(pieces(*pairs), tails).is_some())
 }

@@ -10,7 +10,6 @@ use statrs::function::gamma::gamma_lr;
 const HALVINGS: u32 = 200;
 
 /// The x with I_x(a, b) = `share`, where I is the regularised incomplete beta function.
-#[must_use]
 pub fn beta_quantile(a: f64, b: f64, share: f64) -> f64 {
     bisect(0.0, 1.0, |x| beta_reg(a, b, x) < share)
 }
@@ -21,7 +20,6 @@ pub fn beta_quantile(a: f64, b: f64, share: f64) -> f64 {
 /// let t = statistics::student_t(4.0, 0.05);
 /// assert!((t - 2.776).abs() < 1e-3);
 /// ```
-#[must_use]
 pub fn student_t(degrees: f64, tails: f64) -> f64 {
     let beyond = |t: f64| beta_reg(0.5 * degrees, 0.5, degrees / (degrees + t * t));
     bisect(0.0, 1e4, |t| beyond(t) > tails)
@@ -31,7 +29,6 @@ pub fn student_t(degrees: f64, tails: f64) -> f64 {
 ///
 /// At a mean equal to the lower limit, `count` or more events have half of that probability. At the upper limit
 /// `count` or fewer have it.
-#[must_use]
 pub fn poisson_interval(count: u64, tails: f64) -> [f64; 2] {
     let events = count as f64;
     // `events` or more happen with the lower incomplete gamma function at (events, mean).

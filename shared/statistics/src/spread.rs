@@ -19,7 +19,6 @@ impl Spread {
     /// assert_eq!((spread.mean, spread.n), (Some(2.5), 2));
     /// assert_eq!(spread.deviation, Some(4.5_f64.sqrt()));
     /// ```
-    #[must_use]
     pub fn of(values: &[f64]) -> Self {
         let n = values.len();
         if n == 0 {

@@ -178,7 +178,7 @@ impl Scene {
     fn draw_if_due(&mut self, now_ns: i64) {
         let Some(ego) = self.odometry.filter(|_| now_ns >= self.due_ns) else { return };
         let Some(front) = self.front(&ego) else { return };
-        self.due_ns = (now_ns.div_euclid(PERIOD_NS) + 1) * PERIOD_NS;
+        self.due_ns = (now_ns.div_euclid(PERIOD_NS) + 1).saturating_mul(PERIOD_NS);
         self.draw(now_ns, &ego, &front);
     }
 

@@ -1,8 +1,10 @@
 //! The messages of one topic, read from the front without index or summary.
 
-use super::records::{self, HEAD, MAGIC, opcode};
+use super::records::{self, HEAD};
 use super::unpack::{LONGEST_CHUNK, unpack};
 use crate::{BagError, Encoding};
+use ::mcap::MAGIC;
+use ::mcap::records::{Record, op as opcode};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 
@@ -41,12 +43,12 @@ pub(crate) fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result
             Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => return Ok(()),
             Err(error) => return Err(error.into()),
         }
-        let (code, length) = records::head(&head)?;
+        let (code, length) = records::head(&head);
         match code {
             opcode::FOOTER => return Ok(()),
             opcode::CHUNK => {
                 let body = body(file, length, LONGEST_CHUNK)?;
-                let unpacked = unpack(&records::chunk(&body)?).map_err(BagError::chunk)?;
+                let unpacked = unpack(&body).map_err(BagError::chunk)?;
                 let mut rest = unpacked.as_slice();
                 while rest.len() >= HEAD {
                     let (code, body, behind) = records::record(rest)?;
@@ -82,28 +84,27 @@ fn record(
     schemas: &mut Schemas,
     sink: &mut dyn Sink,
 ) -> Result<(), BagError> {
-    match code {
-        opcode::SCHEMA => {
-            let schema = records::schema(body)?;
-            let definition = String::from_utf8_lossy(schema.definition).into_owned();
-            schemas.insert(schema.id, (schema.name.into(), schema.encoding.into(), definition));
+    match records::parse(code, body)? {
+        Record::Schema { header, data } => {
+            let definition = String::from_utf8_lossy(&data).into_owned();
+            schemas.insert(header.id, (header.name, header.encoding, definition));
         }
-        opcode::CHANNEL => {
-            let records::Channel { id, schema, topic, encoding } = records::channel(body)?;
+        Record::Channel(channel) => {
             let none = (String::new(), String::new(), String::new());
-            let (type_name, language, definition) = schemas.get(&schema).unwrap_or(&none);
-            let encoding = match (encoding, language.as_str()) {
+            let (type_name, language, definition) =
+                schemas.get(&channel.schema_id).unwrap_or(&none);
+            let encoding = match (&*channel.message_encoding, language.as_str()) {
                 ("cdr", "ros2msg") => Encoding::Cdr,
                 ("ros1", "ros1msg") => Encoding::Ros1,
                 ("json", _) => Encoding::Json,
                 (other, "") => Encoding::Other(other.to_owned()),
                 (other, language) => Encoding::Other(format!("{other}, {language}")),
             };
+            let (id, topic) = (channel.id, &*channel.topic);
             sink.connection(Connection { id, topic, type_name, definition, encoding });
         }
-        opcode::MESSAGE => {
-            let (head, payload) = records::message(body)?;
-            sink.message(head.channel, head.log_time, payload)?;
+        Record::Message { header, data } => {
+            sink.message(header.channel_id, header.log_time, &data)?;
         }
         _ => {}
     }

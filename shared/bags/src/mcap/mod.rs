@@ -4,9 +4,8 @@ mod messages;
 mod records;
 mod unpack;
 
+pub use ::mcap::MAGIC;
+pub use ::mcap::records::{Record, op as opcode};
 pub(crate) use messages::{Connection, Sink, read};
-pub use records::{
-    Channel, Chunk, Fields, HEAD, MAGIC, MESSAGE_HEAD, Malformed, MessageHead, Schema, Statistics,
-    channel, chunk, head, message, metadata, opcode, record, schema, statistics,
-};
+pub use records::{HEAD, Malformed, head, parse, record};
 pub use unpack::{LONGEST_CHUNK, UnpackError, unpack};

@@ -1,6 +1,7 @@
 //! Taking a chunk out of its compression, within bounds.
 
-use super::records::Chunk;
+use super::records::parse;
+use ::mcap::records::{Record, op};
 use std::io::Read;
 
 /// Longest chunk that is read, bytes unpacked and packed.
@@ -9,6 +10,8 @@ pub const LONGEST_CHUNK: u64 = 64 << 20;
 /// Reason why a chunk cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum UnpackError {
+    #[error("its lengths do not fit")]
+    Lengths,
     #[error("it unpacks to {0} bytes; a chunk may have {LONGEST_CHUNK}")]
     TooLong(u64),
     #[error("it is longer than the {0} bytes that it says")]
@@ -23,24 +26,28 @@ pub enum UnpackError {
     Checksum,
 }
 
-/// Unpacks the records of `chunk`.
+/// Unpacks the records of a chunk with this body.
 ///
 /// # Errors
 /// If the chunk is too long, damaged or packed in another way.
-pub fn unpack(chunk: &Chunk<'_>) -> Result<Vec<u8>, UnpackError> {
-    if chunk.unpacked > LONGEST_CHUNK {
-        return Err(UnpackError::TooLong(chunk.unpacked));
+pub fn unpack(body: &[u8]) -> Result<Vec<u8>, UnpackError> {
+    let Ok(Record::Chunk { header: chunk, data }) = parse(op::CHUNK, body) else {
+        return Err(UnpackError::Lengths);
+    };
+    let (packed, length) = (&*data, chunk.uncompressed_size);
+    if length > LONGEST_CHUNK {
+        return Err(UnpackError::TooLong(length));
     }
-    let records = match chunk.compression {
-        "" => bounded("plain", Ok::<_, std::io::Error>(chunk.packed), chunk.unpacked),
-        "lz4" => bounded("lz4", lz4::Decoder::new(chunk.packed), chunk.unpacked),
+    let records = match &*chunk.compression {
+        "" => bounded("plain", Ok::<_, std::io::Error>(packed), length),
+        "lz4" => bounded("lz4", lz4::Decoder::new(packed), length),
         "zstd" => {
-            let decoder = ruzstd::decoding::StreamingDecoder::new(chunk.packed);
-            bounded("zstd", decoder, chunk.unpacked)
+            let decoder = ruzstd::decoding::StreamingDecoder::new(packed);
+            bounded("zstd", decoder, length)
         }
         other => Err(UnpackError::Compression(other.chars().take(20).collect())),
     }?;
-    if chunk.checksum != 0 && crc32fast::hash(&records) != chunk.checksum {
+    if chunk.uncompressed_crc != 0 && crc32fast::hash(&records) != chunk.uncompressed_crc {
         return Err(UnpackError::Checksum);
     }
     Ok(records)

@@ -40,7 +40,6 @@ pub struct Plan {
 }
 
 impl Plan {
-    #[must_use]
     pub fn subject(&self) -> String {
         format!("the {} `{}`", self.part, self.command.join(" ").escape_debug())
     }

@@ -188,7 +188,6 @@ impl Link {
     }
 
     /// True once the run was ended.
-    #[must_use]
     pub fn is_over(&self) -> bool {
         self.orders.end.is_now()
     }
