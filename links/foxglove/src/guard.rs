@@ -70,16 +70,14 @@ fn user_of(table: &str, from: SocketAddr, to: SocketAddr) -> Option<u32> {
 /// True for a request without an origin, which is not a browser's, and for one from a page that may look.
 pub(crate) fn is_trusted(origin: Option<&str>) -> bool {
     let Some(origin) = origin else { return true };
-    // The desktop programs' pages are files.
-    if origin == "file://" {
-        return true;
-    }
     let Some((scheme, host)) = origin.split_once("://") else { return false };
     let name = match host.rsplit_once(':') {
         Some((name, port)) if port.parse::<u16>().is_ok() => name,
         _ => host,
     };
     match scheme {
+        // The desktop programs' pages are files.
+        "file" => host.is_empty(),
         "https" if name == "foxglove.dev" || name.ends_with(".foxglove.dev") => true,
         "http" | "https" => ["localhost", "127.0.0.1", "[::1]"].contains(&name),
         _ => false,

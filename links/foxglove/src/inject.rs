@@ -1,12 +1,15 @@
 //! Requests of a viewer to a run: its keys as parameters, and a service that injects faults.
 
-use crate::protocol::{Answer, Parameter, advertise_service};
+use crate::protocol::{Answer, Parameter, SERVICE};
 use scenario::faults::{self, Kind, keys_of};
 use scenario::schema::Shape;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use supervise::control;
+
+/// Name of the service, and of its type.
+const NAME: &str = "/timegap/inject";
 
 /// Announces the service: a request is a fault, with the keys that it has in a scenario's file.
 pub(crate) fn announcement() -> String {
@@ -15,7 +18,18 @@ pub(crate) fn announcement() -> String {
         "type": "object",
         "properties": { "ok": { "type": "boolean" }, "message": { "type": "string" } },
     });
-    advertise_service("/timegap/inject", [request_schema(), answer])
+    let [request, response] = [request_schema(), answer].map(|schema| {
+        json!({
+            "encoding": "json",
+            "schemaName": schema["title"],
+            "schemaEncoding": "jsonschema",
+            "schema": schema.to_string(),
+        })
+    });
+    let service = json!({
+        "id": SERVICE, "name": NAME, "type": NAME, "request": request, "response": response,
+    });
+    json!({ "op": "advertiseServices", "services": [service] }).to_string()
 }
 
 fn request_schema() -> Value {
@@ -58,9 +72,8 @@ pub(crate) fn injector(root: PathBuf) -> Answer {
 /// The keys of a scenario, each with its path: `controller.name`, `actors.0.gap_m`.
 pub(crate) fn parameters(scenario: &str) -> Vec<Parameter> {
     let mut found = Vec::new();
-    if let Ok(keys) = scenario.parse::<toml::Table>() {
-        flatten(String::new(), &json!(keys), &mut found);
-    }
+    let keys = scenario.parse::<toml::Table>().unwrap_or_default();
+    flatten(String::new(), &json!(keys), &mut found);
     found
 }
 

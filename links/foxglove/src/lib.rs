@@ -18,7 +18,6 @@
 //! * [`serve`]: the bridge of a run in progress, or of a recording
 
 mod guard;
-mod hub;
 mod inject;
 mod live;
 mod protocol;
@@ -32,7 +31,7 @@ pub use server::Server;
 use supervise::UsageError;
 
 /// Port at which Foxglove looks first.
-const USUAL_PORT: u16 = 8765;
+const USUAL_PORT: &str = "8765";
 
 /// Reads `foxglove[:PORT]`, the value of `option`; port 0 is any free one.
 ///
@@ -46,14 +45,12 @@ const USUAL_PORT: u16 = 8765;
 /// assert_eq!(error, "--bridge foxglove:http: `http` is not a port, expected a number from 0 to 65535");
 /// ```
 pub fn port(option: &str, viewer: &str) -> Result<u16, UsageError> {
-    let (name, port) = viewer.split_once(':').map_or((viewer, None), |(a, b)| (a, Some(b)));
+    let (name, port) = viewer.split_once(':').unwrap_or((viewer, USUAL_PORT));
     if name != "foxglove" {
         let why = format_args!("there is no viewer `{name}`");
         return Err(UsageError::option(option, viewer, why, "foxglove[:PORT]"));
     }
-    let refuse = |port| {
-        let why = format_args!("`{port}` is not a port");
-        UsageError::option(option, viewer, why, "a number from 0 to 65535")
-    };
-    port.map_or(Ok(USUAL_PORT), |port| port.parse().map_err(|_| refuse(port)))
+    let why = format_args!("`{port}` is not a port");
+    let refuse = |_| UsageError::option(option, viewer, why, "a number from 0 to 65535");
+    port.parse().map_err(refuse)
 }

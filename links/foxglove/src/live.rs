@@ -5,10 +5,8 @@ use crate::port;
 use crate::protocol::Subject;
 use crate::server::Server;
 use messages::{Header, Topic};
-use recorder::{
-    Encoder, FILE, FromRecorder, Metadata, Recording, Start, Taps, ToRecorder, orders, say,
-};
-use runtime::{Group, Guest, Mode, log_warnings, monotonic_ns};
+use recorder::{Encoder, FILE, Metadata, Recording, Report, Start, Taps, ToRecorder, orders};
+use runtime::{Group, Guest, Mode, monotonic_ns};
 use scenario::Scenario;
 use serde::Deserialize;
 use std::convert::Infallible;
@@ -31,48 +29,29 @@ const NICE: i32 = 10;
 
 /// Becomes the bridge of a run. `arguments` are the run's root and the port.
 pub fn run(arguments: &[OsString]) -> ExitCode {
-    let port = arguments.get(1).and_then(|port| port.to_str()?.parse().ok());
-    let (Some(root), Some(port)) = (arguments.first(), port) else {
-        eprintln!("the bridge is a service of timegap: start it with `timegap run --bridge`");
-        return ExitCode::from(2);
-    };
-    log_warnings();
-    match follow_orders(Path::new(root), port) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(reason) => {
-            say(&FromRecorder::Failed(reason.to_string()));
-            ExitCode::FAILURE
-        }
-    }
+    recorder::attend(arguments, |root, address| {
+        follow_orders(root, port("--bridge", &format!("foxglove:{}", address.display()))?)
+    })
 }
 
-fn follow_orders(root: &Path, port: u16) -> Result<(), Error> {
+fn follow_orders(root: &Path, port: u16) -> Result<Option<Report>, Error> {
     let group = Group::read(root)?;
     let scenario = group.scenario()?;
     // The start is not known yet; viewers may connect all the same.
     let server = open(port, &metadata(&group, &scenario, monotonic_ns()), Some(root))?;
     let taps = Guest::join(&group, "bridge").and_then(Taps::open)?;
-    let orders = orders().map_err(MachineError::cannot("listen to the launcher"))?;
-    loop {
-        match orders.recv() {
-            Ok(ToRecorder::Connect) => drop(taps.take()?),
-            Ok(ToRecorder::Start(start)) => {
-                let metadata = metadata(&group, &scenario, start.start_ns);
-                return follow(&group, &taps, &metadata, server, |wait| {
-                    let order = orders.recv_timeout(wait);
-                    matches!(order, Ok(ToRecorder::Finish) | Err(RecvTimeoutError::Disconnected))
-                });
-            }
-            Ok(ToRecorder::Finish) | Err(_) => return Ok(()),
-        }
-        say(&FromRecorder::Ready);
-    }
+    let orders = orders()?;
+    let metadata = recorder::begin(&taps, &orders)?.metadata(&scenario, group.mode);
+    follow(&group, &taps, &metadata, server, |wait| {
+        let order = orders.recv_timeout(wait);
+        matches!(order, Ok(ToRecorder::Finish) | Err(RecvTimeoutError::Disconnected))
+    })?;
+    Ok(None)
 }
 
 /// Metadata for viewers of a run whose time began at `start_ns`.
 fn metadata(group: &Group, scenario: &Scenario, start_ns: i64) -> Metadata {
-    let (scheduling, programs) = Default::default();
-    let start = Start { start_ns, scheduling, programs, law: law_names(scenario) };
+    let start = Start { start_ns, law: law_names(scenario), ..Start::default() };
     start.metadata(scenario, group.mode)
 }
 
@@ -99,16 +78,14 @@ pub fn serve(viewer: &str, run: &Path, speed: f64) -> Result<ExitCode, Error> {
     let path = run.join("live.json");
     let live = std::fs::read_to_string(&path).ok().map(|text| serde_json::from_str::<Live>(&text));
     hold_signals()?;
-    match live {
-        Some(Ok(live)) if is_alive(&live.group.root) => join(&live, port)?,
-        Some(Err(why)) => return Err(UsageError::at(path.display(), why, "a run's file").into()),
-        Some(Ok(_)) | None => {
+    let mistake = |why| UsageError::at(path.display(), why, "a run's file");
+    match live.transpose().map_err(mistake)?.filter(|live| is_alive(&live.group.root)) {
+        Some(live) => join(&live, port).map(|()| ExitCode::SUCCESS),
+        None => {
             let recording = Recording::open(&run)?;
-            let server = open(port, recording.metadata(), None)?;
-            return Ok(play(&recording, server, speed));
+            Ok(play(&recording, open(port, recording.metadata(), None)?, speed))
         }
     }
-    Ok(ExitCode::SUCCESS)
 }
 
 /// The newest results in `runs`.
@@ -157,32 +134,26 @@ fn follow(
     server: Server,
     mut ended: impl FnMut(Duration) -> bool,
 ) -> Result<(), Error> {
-    let mut encoder = Encoder::of(metadata);
+    let mut show = show(metadata, &server);
     let poll = match group.mode {
         Mode::Realtime => REALTIME_POLL,
         Mode::Lockstep => LOCKSTEP_POLL,
+    };
+    let published_ns = |message: &[u8]| {
+        bytemuck::pod_read_unaligned::<Header>(&message[..size_of::<Header>()]).publish_ns
     };
     let mut is_last = false;
     while !is_last {
         is_last = ended(poll);
         let batch = taps.take()?;
         // Without a viewer it costs nothing to encode.
-        if !server.is_watched() {
-            continue;
-        }
-        let mut messages: Vec<_> = batch.messages().collect();
+        let mut messages: Vec<_> = batch.messages().filter(|_| server.is_watched()).collect();
         messages.sort_by_key(|(_, bytes)| published_ns(bytes));
-        for (topic, bytes) in messages {
-            hand_on(&mut encoder, (topic, published_ns(bytes), bytes), &server);
-        }
+        messages.into_iter().for_each(|(topic, bytes)| show(topic, published_ns(bytes), bytes));
     }
     let ended = Instant::now();
     server.end("the run has ended", || ended.elapsed() < LEAVE);
     Ok(())
-}
-
-fn published_ns(message: &[u8]) -> i64 {
-    bytemuck::pod_read_unaligned::<Header>(&message[..size_of::<Header>()]).publish_ns
 }
 
 /// Plays all of a recording, from the moment at which the first viewer subscribes. Status 1 if parts of it are damaged,
@@ -191,7 +162,7 @@ fn play(recording: &Recording, server: Server, speed: f64) -> ExitCode {
     while !server.is_watched() && !is_signalled() {
         std::thread::sleep(REALTIME_POLL);
     }
-    let mut encoder = Encoder::of(recording.metadata());
+    let mut show = show(recording.metadata(), &server);
     let begun = Instant::now();
     let (mut first_ns, mut shown) = (None, Duration::ZERO);
     let mut records = recording.records();
@@ -203,8 +174,7 @@ fn play(recording: &Recording, server: Server, speed: f64) -> ExitCode {
             std::thread::sleep(due.saturating_sub(begun.elapsed()));
             shown = due;
         }
-        let message = (record.topic, record.log_time_ns, record.bytes());
-        hand_on(&mut encoder, message, &server);
+        show(record.topic, record.log_time_ns, record.bytes());
     }
     server.end("the recording has ended", || !is_signalled());
     let damage: Vec<_> = recording.damage().iter().chain(records.damage()).collect();
@@ -212,10 +182,13 @@ fn play(recording: &Recording, server: Server, speed: f64) -> ExitCode {
     if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Sends a message, and what is drawn by it.
-fn hand_on(encoder: &mut Encoder, (topic, run_ns, bytes): (Topic, i64, &[u8]), server: &Server) {
-    let Ok(()) = encoder.encode(topic, run_ns, bytes, |head, payload| {
-        server.send(head.channel_id, head.log_time, payload);
-        Ok::<(), Infallible>(())
-    });
+/// Sends a message of a topic with its run time, ns, and what is drawn by it.
+fn show(metadata: &Metadata, server: &Server) -> impl FnMut(Topic, i64, &[u8]) {
+    let mut encoder = Encoder::of(metadata);
+    move |topic, run_ns, bytes| {
+        let Ok(()) = encoder.encode(topic, run_ns, bytes, |head, payload| {
+            server.send(head.channel_id, head.log_time, payload);
+            Ok::<(), Infallible>(())
+        });
+    }
 }

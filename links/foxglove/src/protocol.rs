@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 pub(crate) const SUBPROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
 
 const MESSAGE_DATA: u8 = 1;
-const TIME: u8 = 2;
+/// First byte of a message that is a time.
+pub(crate) const TIME: u8 = 2;
 const SERVICE_RESPONSE: u8 = 3;
 /// Client's binary message.
 const SERVICE_REQUEST: u8 = 2;
@@ -41,52 +42,31 @@ pub struct Subject {
 impl Subject {
     /// Texts for a viewer that has connected.
     pub(crate) fn welcome(&self) -> Vec<String> {
-        let mut capabilities = vec!["time", "parameters"];
-        capabilities.extend(self.service.is_some().then_some("services"));
+        let capabilities = ["time", "parameters", "services"];
         let info = json!({
             "op": "serverInfo",
             "name": self.name,
-            "capabilities": capabilities,
+            "capabilities": capabilities[..2 + usize::from(self.service.is_some())],
             "supportedEncodings": ["json"],
             "metadata": {},
             "sessionId": self.session,
         });
-        let service = self.service.as_ref().map(|(announcement, _)| announcement.clone());
-        [info.to_string(), advertise(&self.channels)].into_iter().chain(service).collect()
+        // Channel numbers are places in the list.
+        let one = |(id, channel): (usize, &Channel)| {
+            json!({
+                "id": id,
+                "topic": channel.topic,
+                "encoding": "cdr",
+                "schemaName": channel.type_name,
+                "schema": channel.definition,
+                "schemaEncoding": "ros2msg",
+            })
+        };
+        let channels: Vec<Value> = self.channels.iter().enumerate().map(one).collect();
+        let channels = json!({ "op": "advertise", "channels": channels });
+        let service = self.service.iter().map(|(announcement, _)| announcement.clone());
+        [info.to_string(), channels.to_string()].into_iter().chain(service).collect()
     }
-}
-
-/// Channel numbers are places in the list.
-fn advertise(channels: &[Channel]) -> String {
-    let one = |(id, channel): (usize, &Channel)| {
-        json!({
-            "id": id,
-            "topic": channel.topic,
-            "encoding": "cdr",
-            "schemaName": channel.type_name,
-            "schema": channel.definition,
-            "schemaEncoding": "ros2msg",
-        })
-    };
-    let channels: Vec<Value> = channels.iter().enumerate().map(one).collect();
-    json!({ "op": "advertise", "channels": channels }).to_string()
-}
-
-/// The service of this name, whose request and response are JSON of these schemas.
-pub(crate) fn advertise_service(name: &str, [request, response]: [Value; 2]) -> String {
-    let side = |schema: Value| {
-        json!({
-            "encoding": "json",
-            "schemaName": schema["title"],
-            "schemaEncoding": "jsonschema",
-            "schema": schema.to_string(),
-        })
-    };
-    let (request, response) = (side(request), side(response));
-    let service = json!({
-        "id": SERVICE, "name": name, "type": name, "request": request, "response": response,
-    });
-    json!({ "op": "advertiseServices", "services": [service] }).to_string()
 }
 
 /// The parameters that a request names, or all without a name.
@@ -99,20 +79,13 @@ pub(crate) fn parameter_values(all: &[Parameter], request: &Asked) -> String {
     };
     let parameters: Vec<Value> = all.iter().filter(asked).map(one).collect();
     let mut answer = json!({ "op": "parameterValues", "parameters": parameters });
-    if let Some(id) = &request.id {
-        answer["id"] = id.as_str().into();
-    }
+    request.id.iter().for_each(|id| answer["id"] = id.as_str().into());
     answer.to_string()
 }
 
 /// A warning.
 pub(crate) fn status(message: &str) -> String {
     json!({ "op": "status", "level": 1, "message": message }).to_string()
-}
-
-pub(crate) fn service_failure(call: u32, message: &str) -> String {
-    json!({ "op": "serviceCallFailure", "serviceId": SERVICE, "callId": call, "message": message })
-        .to_string()
 }
 
 pub(crate) fn service_response(call: u32, response: &[u8]) -> Vec<u8> {
@@ -123,10 +96,6 @@ pub(crate) fn service_response(call: u32, response: &[u8]) -> Vec<u8> {
 
 pub(crate) fn message_data(subscription: u32, time: u64, payload: &[u8]) -> Vec<u8> {
     [&[MESSAGE_DATA], &subscription.to_le_bytes()[..], &time.to_le_bytes(), payload].concat()
-}
-
-pub(crate) fn time(time: u64) -> Vec<u8> {
-    [&[TIME], &time.to_le_bytes()[..]].concat()
 }
 
 /// A client's text. Its operation says which of the other fields it has.
@@ -152,13 +121,8 @@ pub(crate) struct Subscription {
 
 /// Reads a client's call of a service: numbers of the service and of the call, encoding, request. `None` if it is none.
 pub(crate) fn call(bytes: &[u8]) -> Option<(u32, u32, &[u8], &[u8])> {
-    fn number(bytes: &[u8]) -> Option<(u32, &[u8])> {
-        let (number, rest) = bytes.split_first_chunk()?;
-        Some((u32::from_le_bytes(*number), rest))
-    }
-    let (service, rest) = number(bytes.strip_prefix(&[SERVICE_REQUEST])?)?;
-    let (call, rest) = number(rest)?;
-    let (length, rest) = number(rest)?;
+    let (head, rest) = bytes.strip_prefix(&[SERVICE_REQUEST])?.split_at_checked(12)?;
+    let [service, call, length] = bytemuck::pod_read_unaligned::<[u32; 3]>(head).map(u32::from_le);
     let (encoding, request) = rest.split_at_checked(usize::try_from(length).ok()?)?;
     Some((service, call, encoding, request))
 }

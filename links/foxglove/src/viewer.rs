@@ -1,8 +1,9 @@
 //! One viewer: a thread that hands on what was sent, and answers what it asks for, in turns.
 
 use crate::guard::{self, PATIENCE, Refusal};
-use crate::hub::{Hub, lock, report};
-use crate::protocol::{self, Asked, SERVICE, SUBPROTOCOLS, Subject};
+use crate::protocol::{self, Asked, SERVICE, SUBPROTOCOLS, Subject, TIME};
+use crate::server::{Hub, lock, report};
+use serde_json::json;
 use std::io::ErrorKind;
 use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::Mutex;
@@ -73,19 +74,14 @@ fn accept(stream: &TcpStream) -> Result<Socket, Refusal> {
     };
     let config =
         WebSocketConfig::default().max_message_size(Some(LONGEST)).max_frame_size(Some(LONGEST));
-    match accept_hdr_with_config(stream.try_clone()?, choose, Some(config)) {
-        Ok(socket) => {
-            stream.set_read_timeout(Some(LOOK))?;
-            Ok(socket)
-        }
-        Err(error) => {
-            let why = match error {
-                HandshakeError::Failure(error) => error.to_string(),
-                HandshakeError::Interrupted(_) => "the client is silent".to_owned(),
-            };
-            Err(refusal.unwrap_or(Refusal::Handshake(why)))
-        }
-    }
+    let accepted = accept_hdr_with_config(stream.try_clone()?, choose, Some(config));
+    let accepted = accepted.map_err(|error| match error {
+        HandshakeError::Failure(error) => error.to_string(),
+        HandshakeError::Interrupted(_) => "the client is silent".to_owned(),
+    });
+    let socket = accepted.map_err(|why| refusal.unwrap_or(Refusal::Handshake(why)))?;
+    stream.set_read_timeout(Some(LOOK))?;
+    Ok(socket)
 }
 
 fn choose(request: &Request, mut response: Response) -> Result<Response, Refusal> {
@@ -179,7 +175,7 @@ impl Viewer<'_> {
                 let (end, unix_ns) = (hub.end.clone(), hub.unix_ns);
                 drop(hub);
                 if std::mem::replace(&mut self.shown_ns, unix_ns) != unix_ns {
-                    send(socket, protocol::time(unix_ns))?;
+                    send(socket, [&[TIME], &unix_ns.to_le_bytes()[..]].concat())?;
                 }
                 end.iter().for_each(|words| close(socket, words));
                 return Ok(end.is_some());
@@ -233,7 +229,12 @@ impl Viewer<'_> {
         };
         match answered {
             Ok(response) => send(socket, protocol::service_response(call, &response)),
-            Err(why) => send(socket, protocol::service_failure(call, &why)),
+            Err(why) => {
+                let op = "serviceCallFailure";
+                let failure =
+                    json!({ "op": op, "serviceId": SERVICE, "callId": call, "message": why });
+                send(socket, failure.to_string())
+            }
         }
     }
 }

@@ -1,14 +1,14 @@
 //! The nodes as a process group: the car's supervision ([`Roster`]), with faults of a graph.
 
-use crate::node::LOOK_NS;
+use crate::node::{LOOK_NS, NodeCounts, counts_of};
 use crate::plan::{Fault, Graph};
-use crate::times::{self, NodeCounts};
 use bench::setup::Scheduling;
 use bench::stage::Stage;
 use runtime::scheduling::Priority;
 use runtime::{Figures, FromService, Group, Guest, monotonic_ns};
 use rustix::process::Signal;
 use scenario::supervision::Supervision;
+use std::cmp::Reverse;
 use std::fmt;
 use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
@@ -19,10 +19,6 @@ use supervise::{Error, Event, FaultLog, MachineError, Role, Roster, follow_signa
 const PATIENCE: Duration = Duration::from_secs(20);
 /// Time between readiness and the common start, ns.
 const START_DELAY_NS: i64 = 50_000_000;
-/// Time in which a process that was started during the run must be ready, ns.
-const RESTART_NS: i64 = 5_000_000_000;
-/// Time that a process gets to leave.
-const GRACE: Duration = Duration::from_secs(2);
 /// Longest time between two looks at the processes.
 const LOOK: Duration = Duration::from_millis(1);
 /// Further silence that a node's program may need, ns.
@@ -51,12 +47,12 @@ impl Role for Seat {
     }
 
     fn figures(self, group: &Group) -> Figures {
-        Figures::of(group, times::counts_of(self.place))
+        Figures::of(group, counts_of(self.place))
     }
 }
 
 pub struct Launcher<'a> {
-    graph: &'a Graph,
+    pub graph: &'a Graph,
     pub roster: Roster<'a, Seat>,
     guest: Guest,
     seats: Vec<Seat>,
@@ -64,8 +60,8 @@ pub struct Launcher<'a> {
     pub log: FaultLog<Seat>,
     /// Why the run ended early.
     pub broken: Option<String>,
-    /// Begin and end of each fault were acted on.
-    acted: Vec<[bool; 2]>,
+    /// Begins and ends of faults that are to come, the next one last: run time in ns, and whether it is the end.
+    due: Vec<(i64, bool, &'a Fault)>,
     /// The active process of each node at the last look, and the node's cycles.
     seen: Vec<(u32, u64)>,
     _priority: Option<Priority>,
@@ -80,6 +76,12 @@ impl<'a> Launcher<'a> {
         let counts = (0..graph.nodes.len()).map(|node| NodeCounts::open(node, &group));
         let (sender, events) = channel();
         follow_signals(sender.clone())?;
+        let ends = |fault: &'a Fault| {
+            let (from_ns, to_ns) = fault.span_ns();
+            [(to_ns, true, fault), (from_ns, false, fault)]
+        };
+        let mut due: Vec<_> = graph.faults.iter().flat_map(ends).collect();
+        due.sort_by_key(|(at_ns, ..)| Reverse(*at_ns));
         // Threads of the processes have the names to the end.
         let seat = |(place, name): (usize, String)| Seat { place, name: name.leak() };
         let names = graph.nodes.iter().map(|node| node.name.as_str().to_owned());
@@ -91,7 +93,7 @@ impl<'a> Launcher<'a> {
             roster: Roster::new(stage.root(), group, (sender, events))?,
             log: FaultLog::default(),
             broken: None,
-            acted: vec![[false; 2]; graph.faults.len()],
+            due,
             seen: vec![(0, 0); graph.nodes.len()],
             _priority: (graph.scheduling == Scheduling::Fifo).then(|| Priority::raise(PRIORITY)),
         })
@@ -106,17 +108,13 @@ impl<'a> Launcher<'a> {
         Ok(())
     }
 
-    /// Waits until all processes are ready, and gives them the common start.
-    pub fn begin(&mut self) -> Result<(), Error> {
+    /// Gives all processes the common start when they are ready, and follows the run until its end. `watch` gets the run
+    /// time, ns.
+    pub fn run(&mut self, mut watch: impl FnMut(i64)) -> Result<(), Error> {
         let not_ready = |node, what| MachineError(format!("node {node} {what}")).into();
         self.roster.wait_until_ready(Instant::now(), PATIENCE, not_ready)?;
         self.roster.begin_all(monotonic_ns() + START_DELAY_NS);
-        Ok(())
-    }
-
-    /// Follows the run until its end. `watch` gets the run time, ns.
-    pub fn run(&mut self, mut watch: impl FnMut(i64)) -> Result<(), Error> {
-        let length_ns = self.graph.duration_s.nanoseconds().cast_signed();
+        let length_ns = self.graph.length_ns();
         while self.roster.now_ns() < length_ns && self.broken.is_none() {
             let event = self.roster.events.recv_timeout(LOOK);
             watch(self.roster.now_ns());
@@ -134,9 +132,7 @@ impl<'a> Launcher<'a> {
                 (who, succession::Event::Ready(who.incarnation))
             }
             Event::Message(who, FromService::TookOver(told)) => {
-                if !self.roster.is_taken_over(who, told, &mut self.log) {
-                    return Ok(());
-                }
+                self.roster.is_taken_over(who, told, &mut self.log);
                 (who, succession::Event::TookOver(who.incarnation))
             }
             Event::Gone(who) => {
@@ -144,8 +140,8 @@ impl<'a> Launcher<'a> {
                 let settled = self.roster.of(who.role).settle(who.incarnation);
                 let Some((exit, _)) = settled else { return Ok(()) };
                 if is_active {
-                    let (next, now_ns) = (who.incarnation + 1, self.roster.now_ns());
-                    self.log.detected(who.role, "died", next, None, now_ns);
+                    let now_ns = self.roster.now_ns();
+                    self.log.detected(who.role, "died", who.incarnation + 1, None, now_ns);
                 }
                 // There is room for the next process beside its dead self.
                 self.guest.remove_dead();
@@ -165,26 +161,30 @@ impl<'a> Launcher<'a> {
     /// Looks at all nodes: processes that hang or are due, and recoveries.
     fn look(&mut self) -> Result<(), Error> {
         let Self { graph, roster, log, .. } = self;
-        let timeout_ns = Supervision::default().heartbeat_timeout_ms.nanoseconds().cast_signed();
+        let policy = Supervision::default();
+        // The standby sees the end of a process that is killed for its silence.
         let limit_ns = |seat: Seat| {
             let node = &graph.nodes[seat.place];
+            let (alone, standby) = (policy.heartbeat_timeout_ms, policy.standby_timeout_ms);
+            let timeout = if node.standby { standby } else { alone };
             let program_ns = node.program.as_ref().map_or(0, |_| PROGRAM_NS);
-            timeout_ns + LOOK_NS + 2 * node.load_ns() + program_ns
+            timeout.nanoseconds().cast_signed() + LOOK_NS + 2 * node.load_ns() + program_ns
         };
         roster.kill_the_hung(roster.now_ns(), limit_ns, log);
         for seat in self.seats.clone() {
-            self.roster.kill_the_late(seat, self.roster.now_ns(), RESTART_NS);
+            let now_ns = self.roster.now_ns();
+            self.roster.kill_the_late(seat, now_ns);
             self.follow(seat, succession::Event::Tick)?;
-            let (now_ns, member) = (self.roster.now_ns(), self.roster.of(seat));
-            let now = (member.incarnation(), self.counts[seat.place].cycles.get());
-            let seen = &mut self.seen[seat.place];
-            if member.phase() != Phase::Running || (now.0 != seen.0 && now.1 == seen.1) {
-                continue;
+            let (member, seen) = (self.roster.of(seat), &mut self.seen[seat.place]);
+            let (incarnation, cycles) =
+                (member.incarnation(), self.counts[seat.place].cycles.get());
+            if member.phase() == Phase::Running && incarnation != seen.0 && cycles != seen.1 {
+                self.log.recovered(seat, incarnation, now_ns);
+                seen.0 = incarnation;
             }
-            if now.0 != seen.0 {
-                self.log.recovered(seat, now.0, now_ns);
+            if incarnation == seen.0 {
+                seen.1 = cycles;
             }
-            *seen = now;
         }
         Ok(())
     }
@@ -198,36 +198,23 @@ impl<'a> Launcher<'a> {
     }
 
     fn apply_faults(&mut self) {
-        for (fault, acted) in self.graph.faults.iter().zip(&mut self.acted) {
-            let (now_ns, (from_ns, to_ns)) = (self.roster.now_ns(), fault.span_ns());
-            let due = [now_ns >= from_ns, now_ns >= to_ns];
-            let [begins, ends] = [0, 1].map(|at| due[at] && !acted[at]);
-            *acted = due;
+        let now_ns = self.roster.now_ns();
+        while let Some((_, is_end, fault)) = self.due.pop_if(|(at_ns, ..)| *at_ns <= now_ns) {
             let seat = fault.node().and_then(|name| self.graph.node(name));
             let seat = seat.map(|place| self.seats[place]);
-            if let Some(seat) = seat {
-                let process = self.roster.of(seat).process();
-                match fault {
-                    Fault::Kill { .. } if begins => process.kill(),
-                    Fault::Stop { .. } if begins => process.signal(Signal::STOP),
-                    Fault::Stop { .. } if ends => process.signal(Signal::CONT),
-                    _ => {}
-                }
-            }
-            let kind = match fault {
-                Fault::Kill { .. } => "kill",
-                Fault::Stop { .. } => "stop",
+            let (kind, signal) = match fault {
+                Fault::Kill { .. } => ("kill", (!is_end).then_some(Signal::KILL)),
+                Fault::Stop { .. } if is_end => ("stop", Some(Signal::CONT)),
+                Fault::Stop { .. } => ("stop", Some(Signal::STOP)),
                 // The readers know of delays.
-                Fault::Delay { topic, .. } => &format!("delay {topic}"),
+                Fault::Delay { topic, .. } => (&*format!("delay {topic}"), None),
             };
-            if begins {
+            if !is_end {
                 self.log.asked(kind, seat, now_ns);
             }
+            if let (Some(seat), Some(signal)) = (seat, signal) {
+                self.roster.of(seat).process().signal(signal);
+            }
         }
-    }
-
-    /// Ends all processes.
-    pub fn end(&mut self) {
-        self.roster.end_all(GRACE);
     }
 }

@@ -1,22 +1,21 @@
 //! `timegap bench --graph FILE`: a graph of the user's as real processes, measured as the car's chain is.
 //!
 //! ```text
-//! FILE ─► plan ─┬─► node: a process of each node ─ trail: stamps in each message ─► times: chains, counts ─┐
-//!               └─► group: start, faults, succession, end ──────────────────────────────► results ◄────────┘
+//! FILE ─► plan ─┬─► node: a process of each node ─ ports: stamps in each message ─► chains: reactions ─┐
+//!               └─► group: start, faults, succession, end ─────────────────────────────► results ◄─────┘
 //! ```
 //!
 //! Nodes use what the car's services use: iceoryx2's ports and futexes, the end-to-end protection, epochs, the
 //! succession of processes, histograms in shared memory, and the accounting of a chain ([`runtime::chain`]). A process
 //! that only sleeps runs beside them, as the machine's floor.
 
+mod chains;
 mod group;
 mod load;
 mod node;
 mod plan;
 mod ports;
 mod results;
-mod times;
-mod trail;
 
 pub use node::run as run_node;
 
@@ -25,11 +24,10 @@ use bench::peer::Outcome;
 use bench::plan::progress_bar;
 use bench::stage::Stage;
 use group::Launcher;
-use plan::{Graph, ns};
+use plan::Graph;
 use report::gate::Baseline;
 use report::output::OutputDirectory;
 use report::results::Schema;
-use runtime::Group;
 use runtime::scheduling::usable_cores;
 use scenario::quantity::Duration as Seconds;
 use std::path::{Path, PathBuf};
@@ -37,43 +35,33 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-use supervise::{Error, MachineError, UsageError, check_room};
+use supervise::{Error, MachineError, check_room};
 
+/// Time that a process gets to leave.
+const GRACE: Duration = Duration::from_secs(2);
 /// Shared memory of a process beside its messages, bytes.
 const PROCESS_BYTES: usize = 1 << 20;
 /// Messages in a receiver's buffer, and those that it may hold.
 const BUFFER: usize = 6;
-/// Period of the floor's process where the first chain has no timer, ms.
-const FLOOR_MS: f64 = 1.0;
+/// Period of the floor's process where the first chain has no timer, ns.
+const FLOOR_NS: i64 = 1_000_000;
 
 impl Graph {
-    /// Reads the file of a graph.
-    fn open(path: &Path) -> Result<Self, Error> {
-        Ok(Self::parse(&path.display().to_string(), &Error::text_of(path, "graph")?)?)
-    }
-
-    /// The graph that the launcher wrote for a group, where a car's has its scenario.
-    fn of(group: &Group) -> Result<Self, UsageError> {
-        let mistake = |why| UsageError::at("the group's file", why, "a graph of this program");
-        serde_json::from_str(&group.scenario).map_err(mistake)
-    }
-
     /// Refuses what this machine does not have: cores, shared memory.
     fn check_machine(&self, file: &Path) -> Result<(), MachineError> {
         let cores = usable_cores();
         for node in &self.nodes {
             let core = node.core.map(|core| usize::from(core.value()));
             if let Some(core) = core.filter(|core| !cores.contains(core)) {
-                let known: Vec<_> = cores.iter().map(ToString::to_string).collect();
-                let is = format!("node {} is to run on core {core}", node.name.as_str());
-                let may = format!("this process may use core {}", known.join(", "));
-                return Err(MachineError(format!("{}: {is}, and {may}", file.display())));
+                let (file, name) = (file.display(), node.name.as_str());
+                let why = format!("is to run on core {core}, and this process may use {cores:?}");
+                return Err(MachineError(format!("{file}: node {name} {why}")));
             }
         }
         // A sender's segment; one that died may still have its own.
         let bytes = |topic: &String| {
             let messages = ports::peers(self, topic).receivers * BUFFER + 3;
-            2 * trail::Layout::of(self, topic).length * messages
+            2 * chains::Layout::of(self, topic).length * messages
         };
         let topics: usize = self.topics.keys().map(bytes).sum();
         check_room((topics + 2 * self.nodes.len() * PROCESS_BYTES) as u64)
@@ -85,8 +73,7 @@ impl Graph {
         let node =
             |name: Option<&String>| &self.nodes[name.and_then(|n| self.node(n)).unwrap_or(0)];
         let core = node::request(self, node(path.last())).core.unwrap_or_default();
-        let period_ms = node(path.first()).period_ms.unwrap_or(FLOOR_MS);
-        (core, (ns(period_ms) / 1_000) as u32)
+        (core, (node(path.first()).period_ns().unwrap_or(FLOOR_NS) / 1_000) as u32)
     }
 }
 
@@ -95,7 +82,8 @@ impl Graph {
 /// # Errors
 /// A file that is no graph, or a machine on which it cannot run.
 pub fn run(file: &Path, arguments: &BenchArguments) -> Result<ExitCode, Error> {
-    let mut graph = Graph::open(file)?;
+    let text = Error::text_of(file, "graph")?;
+    let mut graph = Graph::parse(&file.display().to_string(), &text)?;
     graph.duration_s = arguments.seconds.map_or(graph.duration_s, Seconds::of);
     graph.check_machine(file)?;
     let read = |file: &PathBuf| Baseline::read(file, "the graph.json of an earlier run");
@@ -105,8 +93,8 @@ pub fn run(file: &Path, arguments: &BenchArguments) -> Result<ExitCode, Error> {
     supervise::flag_end(&interrupted)?;
     let stage = Stage::create(interrupted)?;
     let mut launcher = Launcher::new(&graph, &stage)?;
-    let measured = measure(&graph, &stage, &mut launcher, arguments.results.json);
-    launcher.end();
+    let measured = measure(&mut launcher, &stage, arguments.results.json);
+    launcher.roster.end_all(GRACE);
     let document = measured.and_then(|floor| {
         results::document(&graph, &launcher, &floor, (baseline.as_ref(), arguments.factor))
     });
@@ -117,17 +105,12 @@ pub fn run(file: &Path, arguments: &BenchArguments) -> Result<ExitCode, Error> {
 }
 
 /// Runs the nodes for the graph's length, with a process that only sleeps beside them: the floor.
-fn measure(
-    graph: &Graph,
-    stage: &Stage,
-    launcher: &mut Launcher<'_>,
-    is_quiet: bool,
-) -> Result<Outcome, Error> {
+fn measure(launcher: &mut Launcher<'_>, stage: &Stage, is_quiet: bool) -> Result<Outcome, Error> {
     launcher.start()?;
+    let graph = launcher.graph;
     let (core, period_us) = graph.floor();
     let metronome = stage.metronome_on(core, graph.scheduling, period_us)?;
-    launcher.begin()?;
-    let length_ns = graph.duration_s.nanoseconds().cast_signed();
+    let length_ns = graph.length_ns();
     let bar = progress_bar(Duration::from_nanos(length_ns.unsigned_abs()), is_quiet);
     let ran = launcher.run(|now_ns| {
         metronome.count((1..length_ns).contains(&now_ns));

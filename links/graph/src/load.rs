@@ -7,21 +7,18 @@
 //! {"node":"detect","cycle":17,"inputs":[{"topic":"image","sequence":17,"age_us":812.4}]}
 //! ```
 
-use runtime::scheduling::set_fifo_of;
+use runtime::scheduling::{Policy, set_fifo_of};
 use rustix::time::{ClockId, clock_gettime};
-use std::hint::black_box;
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use supervise::MachineError;
-
-/// Rounds of the spin between two looks at the clock, some microseconds: a look is a system call.
-const ROUNDS: u64 = 3_000;
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::{ChildStdout, Command, Stdio};
+use std::time::Duration;
+use supervise::{MachineError, Process};
 
 /// A program that computes for a node.
 #[derive(Debug)]
 pub struct Program {
-    child: Child,
-    input: ChildStdin,
+    process: Process,
     output: BufReader<ChildStdout>,
     answer: String,
 }
@@ -29,37 +26,31 @@ pub struct Program {
 /// Spins for `load_ns` of processor time.
 pub fn spin_for(load_ns: i64) {
     let end_ns = processor_ns() + load_ns;
-    while load_ns > 0 && processor_ns() < end_ns {
-        spin();
-    }
+    while processor_ns() < end_ns {}
 }
 
 impl Program {
-    /// Starts the program of a node with this `command`, at `priority` if the node has that itself.
-    pub fn start(command: &str, priority: Option<u8>) -> Result<Self, MachineError> {
+    /// Starts the program of a node with this `command`, under `policy` if that is a real-time one.
+    pub fn start(command: &str, policy: Policy) -> Result<Self, MachineError> {
+        let failed = MachineError::cannot(format!("start `{command}`"));
         let words = shlex::split(command).unwrap_or_default();
-        let Some((program, arguments)) = words.split_first() else {
-            return Err(MachineError(format!("cannot start `{command}`")));
-        };
-        let mut command = Command::new(program);
-        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut command = Command::new(words.first().map_or("", String::as_str));
+        command.args(words.iter().skip(1)).stdin(Stdio::piped()).stdout(Stdio::piped());
         runtime::inherit_only(&mut command, None);
         runtime::die_with_this_thread(&mut command);
-        let failed = MachineError::cannot(format!("start {program}"));
         let mut child = command.spawn().map_err(failed)?;
-        if let Some(priority) = priority {
+        if let Policy::Fifo(priority) = policy {
             set_fifo_of(child.id().cast_signed(), priority);
         }
-        let input = child.stdin.take().expect("piped");
         let output = BufReader::new(child.stdout.take().expect("piped"));
-        Ok(Self { child, input, output, answer: String::new() })
+        Ok(Self { process: Process::of(child, 0), output, answer: String::new() })
     }
 
     /// Waits until it has answered `question`.
-    pub fn ask(&mut self, question: &str) -> Result<(), MachineError> {
+    pub fn ask(&mut self, question: &Value) -> Result<(), MachineError> {
         self.answer.clear();
-        let asked = writeln!(self.input, "{question}");
-        let answered = asked.and_then(|()| self.output.read_line(&mut self.answer));
+        self.process.order(question);
+        let answered = self.output.read_line(&mut self.answer);
         match answered.map_err(MachineError::cannot("ask the node's program"))? {
             0 => Err(MachineError("the node's program ended without an answer".to_owned())),
             _ => Ok(()),
@@ -69,9 +60,7 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        // Its own child; after its end this does nothing.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        self.process.end(Duration::ZERO);
     }
 }
 
@@ -79,14 +68,6 @@ impl Drop for Program {
 fn processor_ns() -> i64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec * 1_000_000_000 + time.tv_nsec
-}
-
-/// Rounds that each depend on the previous one.
-fn spin() {
-    let mut state = 1_u64;
-    for _ in 0..ROUNDS {
-        state = black_box(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
-    }
 }
 
 #[cfg(test)]
@@ -102,12 +83,12 @@ mod tests {
 
     #[test]
     fn a_program_answers_each_question_and_one_that_ends_is_an_error() {
-        let mut program = Program::start("cat", None).expect("started");
+        let mut program = Program::start("cat", Policy::Other).expect("started");
         for _ in 0..3 {
-            program.ask("{}").expect("it answers");
+            program.ask(&Value::Null).expect("it answers");
         }
-        let mut program = Program::start("true", None).expect("started");
-        let said = (0..2).find_map(|_| program.ask("{}").err()).expect("it ended");
+        let mut program = Program::start("true", Policy::Other).expect("started");
+        let said = (0..2).find_map(|_| program.ask(&Value::Null).err()).expect("it ended");
         assert!(said.to_string().contains("the node's program"), "{said}");
     }
 }

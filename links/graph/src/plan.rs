@@ -6,7 +6,7 @@
 
 use bench::setup::Scheduling;
 use scenario::name::{Line, Name};
-use scenario::quantity::{Core, DelayMs, Duration, Priority, Time};
+use scenario::quantity::{Core, DelayMs, Duration, LoadUs, LoopMs, MessageBytes, Priority, Time};
 use scenario::{Problem, ScenarioError, accepted};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,10 +20,10 @@ pub struct Graph {
     /// Length of the measurement, s.
     #[serde(default = "five")]
     pub duration_s: Duration,
-    #[serde(default = "fifo")]
+    #[serde(default)]
     pub scheduling: Scheduling,
     /// Length of each topic's messages, bytes.
-    pub topics: BTreeMap<String, u64>,
+    pub topics: BTreeMap<String, MessageBytes>,
     pub nodes: Vec<Node>,
     #[serde(default)]
     pub chains: Vec<Chain>,
@@ -37,14 +37,13 @@ pub struct Node {
     pub name: Name,
     /// CPU; without the key the last that this process may use.
     pub core: Option<Core>,
-    /// Priority under SCHED_FIFO.
-    #[serde(default = "eighty")]
-    pub priority: Priority,
+    /// Priority under SCHED_FIFO; without the key 80.
+    pub priority: Option<Priority>,
     /// A second process of the node waits to take over.
     #[serde(default)]
     pub standby: bool,
     /// Period of its timer.
-    pub period_ms: Option<f64>,
+    pub period_ms: Option<LoopMs>,
     /// Topics that release it, each with a new message.
     #[serde(default)]
     pub trigger: Vec<String>,
@@ -54,8 +53,7 @@ pub struct Node {
     #[serde(default)]
     pub publishes: Vec<String>,
     /// Processor time of a cycle.
-    #[serde(default)]
-    pub load_us: f64,
+    pub load_us: Option<LoadUs>,
     /// Command of a program that computes in place of the load.
     pub program: Option<String>,
 }
@@ -66,7 +64,7 @@ pub struct Chain {
     pub name: Line,
     /// Nodes from the source to the last one.
     pub path: Vec<String>,
-    pub deadline_ms: Option<f64>,
+    pub deadline_ms: Option<LoopMs>,
     /// Late reactions that are accepted.
     #[serde(default)]
     pub max_misses: u64,
@@ -97,26 +95,8 @@ fn five() -> Duration {
     Duration::of(5.0)
 }
 
-fn fifo() -> Scheduling {
-    Scheduling::Fifo
-}
-
-fn eighty() -> Priority {
-    Priority::of(80)
-}
-
 /// Most nodes, and most chains.
 pub const MOST: usize = 100;
-/// Shortest and longest message, bytes.
-const BYTES: (f64, f64) = (1.0, (16 << 20) as f64);
-/// Shortest and longest period or deadline, ms.
-const PERIOD_MS: (f64, f64) = (0.05, 60_000.0);
-
-/// ns of a time in ms.
-pub fn ns(ms: f64) -> i64 {
-    (1e6 * ms).round() as i64
-}
-
 impl Node {
     /// All topics that it reads, the triggers first.
     pub fn inputs(&self) -> impl Iterator<Item = &String> {
@@ -125,13 +105,11 @@ impl Node {
     }
 
     pub fn load_ns(&self) -> i64 {
-        ns(self.load_us / 1e3)
+        self.load_us.map_or(0, |load| load.nanoseconds().cast_signed())
     }
-}
 
-impl Chain {
-    pub fn deadline_ns(&self) -> Option<i64> {
-        self.deadline_ms.map(ns)
+    pub fn period_ns(&self) -> Option<i64> {
+        self.period_ms.map(|period| period.nanoseconds().cast_signed())
     }
 }
 
@@ -146,14 +124,12 @@ impl Fault {
 
     /// Run time of its begin and its end, ns.
     pub fn span_ns(&self) -> (i64, i64) {
-        let (at_s, for_ns) = match self {
-            Self::Kill { at_s, .. } => (at_s, 0),
-            Self::Stop { at_s, for_s, .. } | Self::Delay { at_s, for_s, .. } => {
-                (at_s, for_s.nanoseconds())
-            }
+        let (at_s, for_s) = match self {
+            Self::Kill { at_s, .. } => (at_s, None),
+            Self::Stop { at_s, for_s, .. } | Self::Delay { at_s, for_s, .. } => (at_s, Some(for_s)),
         };
-        let at_ns = at_s.nanoseconds();
-        (at_ns.cast_signed(), (at_ns + for_ns).cast_signed())
+        let begin_ns = at_s.nanoseconds().cast_signed();
+        (begin_ns, begin_ns + for_s.map_or(0, |for_s| for_s.nanoseconds().cast_signed()))
     }
 }
 
@@ -161,6 +137,11 @@ impl Graph {
     /// Reads the text of a graph. `source` stands for it in errors.
     pub fn parse(source: &str, text: &str) -> Result<Self, ScenarioError> {
         scenario::read_as(source, text, Self::check)
+    }
+
+    /// Length of the measurement.
+    pub fn length_ns(&self) -> i64 {
+        self.duration_s.nanoseconds().cast_signed()
     }
 
     /// Place of the node of this name.
@@ -200,27 +181,41 @@ impl Graph {
                 return Err(Problem::new(key, format!("{count} {key}"), format!("1 to {MOST}")));
             }
         }
-        for (topic, bytes) in &self.topics {
-            let good = |c: char| c.is_ascii_alphanumeric() || "/_-".contains(c);
-            if !(1..=100).contains(&topic.len()) || !topic.chars().all(good) {
-                let message = format!("`{}` names no topic", topic.escape_debug());
-                let expected = "1 to 100 letters, digits, `/`, `_` or `-`";
-                return Err(Problem::new("topics", message, expected));
-            }
-            within(&format!("topics.{topic}"), *bytes as f64, BYTES, "bytes")?;
-        }
         (0..self.nodes.len()).try_for_each(|node| self.check_node(node))?;
+        self.topics.keys().try_for_each(|topic| self.check_topic(topic))?;
         self.check_releases()?;
         (0..self.chains.len()).try_for_each(|chain| self.check_chain(chain))?;
         for (index, fault) in self.faults.iter().enumerate() {
-            if let Some(name) = fault.node() {
-                self.known_node(&format!("faults.{index}.node"), name)?;
-            }
-            if let Fault::Delay { topic, .. } = fault {
-                self.known_topic(&format!("faults.{index}.topic"), topic)?;
+            match fault {
+                Fault::Kill { node, .. } | Fault::Stop { node, .. } => {
+                    known(&format!("faults.{index}.node"), "node", node, self.node_names())?;
+                }
+                Fault::Delay { topic, .. } => {
+                    known(&format!("faults.{index}.topic"), "topic", topic, self.topic_names())?;
+                }
             }
         }
         Ok(())
+    }
+
+    fn check_topic(&self, topic: &str) -> Result<(), Problem> {
+        let good = |c: char| c.is_ascii_alphanumeric() || "/_-".contains(c);
+        if !(1..=100).contains(&topic.len()) || !topic.chars().all(good) {
+            let message = format!("`{}` names no topic", topic.escape_debug());
+            let expected = "1 to 100 letters, digits, `/`, `_` or `-`";
+            return Err(Problem::new("topics", message, expected));
+        }
+        let is_writer = |node: &usize| self.nodes[*node].publishes.iter().any(|one| one == topic);
+        let writers: Vec<usize> = (0..self.nodes.len()).filter(is_writer).collect();
+        let (place, message) = match writers[..] {
+            [_] => return Ok(()),
+            [] => (format!("topics.{topic}"), format!("no node publishes `{topic}`")),
+            [first, second, ..] => {
+                let first = self.nodes[first].name.as_str();
+                (format!("nodes.{second}.publishes"), format!("`{first}` publishes `{topic}` too"))
+            }
+        };
+        Err(Problem::new(place, message, "one writer for each topic"))
     }
 
     fn check_node(&self, index: usize) -> Result<(), Problem> {
@@ -230,21 +225,10 @@ impl Graph {
             let message = format!("a second node `{name}`");
             return Err(Problem::new(format!("{path}.name"), message, "another name"));
         }
-        within(&format!("{path}.load_us"), node.load_us, (0.0, 10e6), "µs")?;
-        match (node.period_ms, node.trigger.is_empty()) {
-            (Some(period_ms), true) => {
-                within(&format!("{path}.period_ms"), period_ms, PERIOD_MS, "ms")?;
-            }
-            (Some(_), false) => {
-                let message = format!("`{name}` has a period and a trigger");
-                let expected = "one of both; a topic that releases nothing belongs into `reads`";
-                return Err(Problem::new(format!("{path}.trigger"), message, expected));
-            }
-            (None, true) => {
-                let expected = "`period_ms`, or `trigger` with the topics that release it";
-                return Err(Problem::new(path, format!("`{name}` is never released"), expected));
-            }
-            (None, false) => {}
+        if node.period_ms.is_some() != node.trigger.is_empty() {
+            let message = format!("`{name}` has neither a period nor a trigger, or both");
+            let expected = "`period_ms`, or `trigger` with topics (others belong into `reads`)";
+            return Err(Problem::new(path, message, expected));
         }
         if let Some(command) = &node.program {
             let (words, here) = (shlex::split(command), std::env::current_dir());
@@ -252,31 +236,10 @@ impl Graph {
             let path = format!("{path}.program");
             found.map_err(|error| Problem::new(path, error.message, error.expected))?;
         }
-        for (key, topics) in
-            [("trigger", &node.trigger), ("reads", &node.reads), ("publishes", &node.publishes)]
-        {
-            for (place, topic) in topics.iter().enumerate() {
-                let path = format!("{path}.{key}.{place}");
-                self.known_topic(&path, topic)?;
-                if topics[..place].contains(topic) {
-                    let message = format!("`{topic}` is there twice");
-                    return Err(Problem::new(path, message, "each topic once"));
-                }
-                match self.writer(topic) {
-                    None => {
-                        let written = self.nodes.iter().flat_map(|node| &node.publishes);
-                        let expected = accepted(topic, written.map(String::as_str));
-                        let message = format!("no node publishes `{topic}`");
-                        return Err(Problem::new(path, message, expected));
-                    }
-                    Some(writer) if key == "publishes" && writer != index => {
-                        let other = self.nodes[writer].name.as_str();
-                        let message = format!("`{other}` publishes `{topic}` too");
-                        return Err(Problem::new(path, message, "one writer for each topic"));
-                    }
-                    Some(_) => {}
-                }
-            }
+        let lists =
+            [("trigger", &node.trigger), ("reads", &node.reads), ("publishes", &node.publishes)];
+        for (key, topics) in lists {
+            check_names(&format!("{path}.{key}"), "topic", topics, self.topic_names())?;
         }
         Ok(())
     }
@@ -291,72 +254,74 @@ impl Graph {
             let ran = self.nodes.iter().filter(|node| runs(node, &sent));
             sent = ran.flat_map(|node| &node.publishes).collect();
         }
-        let stuck: Vec<_> = self.nodes.iter().filter(|node| !runs(node, &sent)).collect();
-        let Some(first) = stuck.first() else { return Ok(()) };
-        let path = format!("nodes.{}.trigger", self.node(first.name.as_str()).unwrap_or_default());
-        let names: Vec<_> = stuck.iter().map(|node| format!("`{}`", node.name.as_str())).collect();
-        let names = names.join(", ");
-        let message = format!("a cycle that nothing starts: {names} wait for each other");
+        let stuck = self.nodes.iter().filter(|node| !runs(node, &sent));
+        let stuck: Vec<&str> = stuck.map(|node| node.name.as_str()).collect();
+        let Some(first) = stuck.first().and_then(|name| self.node(name)) else { return Ok(()) };
+        let names = stuck.join("`, `");
+        let message = format!("a cycle that nothing starts: `{names}` wait for each other");
         let expected = "a node with `period_ms` in it, or a topic in `reads` that need not release";
-        Err(Problem::new(path, message, expected))
+        Err(Problem::new(format!("nodes.{first}.trigger"), message, expected))
     }
 
     fn check_chain(&self, index: usize) -> Result<(), Problem> {
-        let (path, chain) = (format!("chains.{index}"), &self.chains[index]);
-        if let Some(deadline_ms) = chain.deadline_ms {
-            within(&format!("{path}.deadline_ms"), deadline_ms, PERIOD_MS, "ms")?;
-        }
-        let names = &chain.path;
+        let (path, names) = (format!("chains.{index}.path"), &self.chains[index].path);
         if names.len() < 2 {
             let message = format!("a chain of {} nodes", names.len());
-            return Err(Problem::new(format!("{path}.path"), message, "two nodes or more"));
+            return Err(Problem::new(path, message, "two nodes or more"));
         }
-        for (place, name) in names.iter().enumerate() {
-            let path = format!("{path}.path.{place}");
-            let node = self.known_node(&path, name)?;
-            if names[..place].contains(name) {
-                let message = format!("`{name}` is there twice");
-                return Err(Problem::new(path, message, "each node once"));
-            }
-            if place > 0 && self.link(index, place - 1).is_none() {
-                let before = &names[place - 1];
-                let sent = &self.nodes[self.node(before).unwrap_or(node)].publishes;
-                let message = format!("`{name}` reads nothing that `{before}` publishes");
-                let expected = match sent.as_slice() {
-                    [] => format!("`{before}` to publish a topic that `{name}` reads"),
-                    sent => format!("`{name}` to read `{}`", sent.join("` or `")),
-                };
-                return Err(Problem::new(path, message, expected));
-            }
-        }
-        Ok(())
+        let is_known = |at: usize| self.node(&names[at]).is_some();
+        let is_apart =
+            |at: &usize| is_known(at - 1) && is_known(*at) && self.link(index, at - 1).is_none();
+        let Some(place) = (1..names.len()).find(is_apart) else {
+            return check_names(&path, "node", names, self.node_names());
+        };
+        let (before, name) = (&names[place - 1], &names[place]);
+        let sent = self.node(before).map_or(&[][..], |node| &self.nodes[node].publishes);
+        let message = format!("`{name}` reads nothing that `{before}` publishes");
+        let expected = match sent {
+            [] => format!("`{before}` to publish a topic that `{name}` reads"),
+            sent => format!("`{name}` to read `{}`", sent.join("` or `")),
+        };
+        Err(Problem::new(format!("{path}.{place}"), message, expected))
     }
 
-    fn known_node(&self, path: &str, name: &str) -> Result<usize, Problem> {
-        known(path, "node", name, self.nodes.iter().map(|node| node.name.as_str()))
+    fn node_names(&self) -> impl Iterator<Item = &str> + Clone {
+        self.nodes.iter().map(|node| node.name.as_str())
     }
 
-    fn known_topic(&self, path: &str, topic: &str) -> Result<usize, Problem> {
-        known(path, "topic", topic, self.topics.keys().map(String::as_str))
+    fn topic_names(&self) -> impl Iterator<Item = &str> + Clone {
+        self.topics.keys().map(String::as_str)
     }
 }
 
-/// Place of a name among those that are known.
+/// Refuses a name at `path` that is not among `all`.
 fn known<'a>(
     path: &str,
     what: &str,
     name: &str,
     all: impl Iterator<Item = &'a str> + Clone,
-) -> Result<usize, Problem> {
-    all.clone().position(|one| one == name).ok_or_else(|| {
-        let message = format!("unknown {what} `{}`", name.escape_debug());
-        Problem::new(path, message, accepted(name, all))
-    })
-}
-
-fn within(path: &str, value: f64, (low, high): (f64, f64), unit: &str) -> Result<(), Problem> {
-    if (low..=high).contains(&value) {
+) -> Result<(), Problem> {
+    if all.clone().any(|one| one == name) {
         return Ok(());
     }
-    Err(Problem::new(path, format!("{value} is out of range"), format!("{low} to {high} {unit}")))
+    let message = format!("unknown {what} `{}`", name.escape_debug());
+    Err(Problem::new(path, message, accepted(name, all)))
+}
+
+/// Refuses names in a list that are not among `all`, or are there twice.
+fn check_names<'a>(
+    path: &str,
+    what: &str,
+    names: &[String],
+    all: impl Iterator<Item = &'a str> + Clone,
+) -> Result<(), Problem> {
+    for (place, name) in names.iter().enumerate() {
+        let path = format!("{path}.{place}");
+        known(&path, what, name, all.clone())?;
+        if names[..place].contains(name) {
+            let message = format!("`{name}` is there twice");
+            return Err(Problem::new(path, message, format!("each {what} once")));
+        }
+    }
+    Ok(())
 }

@@ -1,16 +1,44 @@
 //! The ends of a topic at a node: iceoryx2's ports, the end-to-end check, epochs, delays.
 
-use crate::plan::{Fault, Graph};
-use crate::times::{self, Page};
-use crate::trail::Layout;
+use crate::chains::Layout;
+use crate::plan::{Fault, Graph, MOST};
 use bench::payload::{BytesReceiver, BytesSender, Peers};
 use messages::Header;
-use runtime::{Count, Group, Guest, epoch, monotonic_ns};
+use runtime::{Count, Figures, Group, Guest, RuntimeError, SharedWords, epoch, monotonic_ns};
 use std::collections::VecDeque;
+use std::sync::atomic::AtomicU32;
 use supervise::{Error, MachineError};
 
 /// Processes of a node that may hold an end at the same time: the active one, its dead self, a standby and the next.
 const PROCESSES: usize = 4;
+/// Words of a node.
+const NODE: usize = 8;
+
+/// The words that all processes of a graph share: wake-ups and epochs of its nodes.
+pub struct Page(SharedWords);
+
+impl Page {
+    pub fn map(group: &Group) -> Result<Self, MachineError> {
+        const { assert!(NODE * MOST <= 1024, "a page has room for all") };
+        let page = SharedWords::map(&format!("{}graph", group.prefix));
+        page.map(Self).map_err(MachineError::cannot("share memory"))
+    }
+
+    /// Counts the messages that help to release a node.
+    pub fn wake(&self, node: usize) -> &AtomicU32 {
+        &self.0[NODE * node]
+    }
+
+    /// Incarnation of the one process of a node that may send.
+    pub fn epoch(&self, node: usize) -> &AtomicU32 {
+        &self.0[NODE * node + 1]
+    }
+}
+
+/// A named count of a topic, which all its ends share.
+pub fn count(group: &Group, topic: &str, name: &str) -> Result<Count, RuntimeError> {
+    Figures::open(group, format!("topic.{}", topic.replace('/', ".")))?.count(name)
+}
 
 /// Processes at a topic.
 pub fn peers(graph: &Graph, topic: &str) -> Peers {
@@ -22,7 +50,6 @@ pub fn peers(graph: &Graph, topic: &str) -> Peers {
 pub struct Output {
     pub layout: Layout,
     port: BytesSender,
-    sequence: u64,
     sent: Count,
     /// Nodes that a message helps to release.
     pub releases: Vec<usize>,
@@ -37,23 +64,21 @@ impl Output {
     ) -> Result<Self, Error> {
         let (layout, service) = (Layout::of(graph, topic), format!("graph/{topic}"));
         let port = BytesSender::open(guest, &service, layout.length, peers(graph, topic))?;
-        let sent = times::count(group, topic, "sent")?;
+        let sent = count(group, topic, "sent")?;
         let released = graph.readers(topic).filter(|(_, node)| node.trigger.contains(topic));
         let releases = released.map(|(node, _)| node).collect();
-        Ok(Self { layout, port, sequence: 0, sent, releases })
+        Ok(Self { layout, port, sent, releases })
     }
 
     /// Sends a message with this header and the trails of its chains.
     pub fn send<'a>(
         &mut self,
         mut header: Header,
-        trail: impl Fn(usize) -> Option<&'a [i64]>,
+        trail: impl Fn(usize) -> &'a [i64],
     ) -> Result<(), MachineError> {
-        self.sequence += 1;
-        header.sequence = self.sequence;
-        self.port.send(|bytes| self.layout.write(bytes, &header, trail))?;
         self.sent.add(1);
-        Ok(())
+        header.sequence = self.sent.get();
+        self.port.send(|bytes| self.layout.write(bytes, &header, trail))
     }
 }
 
@@ -73,7 +98,8 @@ pub struct Input {
     fenced: Option<usize>,
     /// Run times between which messages are delayed, and by how much, ns.
     delays: Vec<((i64, i64), i64)>,
-    delayed: VecDeque<(i64, Vec<u8>)>,
+    /// Messages whose delay ends at these instants, ns.
+    pub delayed: VecDeque<(i64, Vec<u8>)>,
     /// Incarnation and sequence number of the last message.
     last: (u32, u64),
     received: Count,
@@ -102,15 +128,10 @@ impl Input {
             delays: delays.collect(),
             delayed: VecDeque::new(),
             last: (0, 0),
-            received: times::count(group, topic, "received")?,
-            unused: times::count(group, topic, "unused")?,
-            refused: times::count(group, topic, "refused")?,
+            received: count(group, topic, "received")?,
+            unused: count(group, topic, "unused")?,
+            refused: count(group, topic, "refused")?,
         })
-    }
-
-    /// End of the first delay, ns.
-    pub fn delayed_until_ns(&self) -> Option<i64> {
-        self.delayed.front().map(|(until_ns, _)| *until_ns)
     }
 
     /// Takes all messages that have come, and those whose delay is over. The run began at `start_ns`.

@@ -1,16 +1,16 @@
 //! The figures of a run: `graph.json`, and the same for people. A figure that does not apply is null.
 
+use crate::chains::{Layout, PARTS, Reactions};
 use crate::group::Launcher;
 use crate::plan::Graph;
-use crate::times::{self, Reactions};
-use crate::trail::{Layout, PARTS};
+use crate::ports;
 use bench::document::drawn;
 use bench::peer::Outcome;
 use report::gate::{Against, Baseline, Sample};
 use report::html::grid;
 use report::output::{HISTOGRAMS, histogram_log};
 use report::print::duration;
-use report::results::{Broken, Column, Document, Object, Table, count, micros, number, word};
+use report::results::{Broken, Column, Document, Object, Table, count, micros, value, word};
 use report::summary::Host;
 use runtime::statistics::{Latencies, Percentiles};
 use schemars::JsonSchema;
@@ -113,7 +113,7 @@ rows! {
     work_us: Us, "Length of a cycle" => micros "work p50" p50 [1];
     replacements: u32, "Times that another process became the active one" => count "replaced";
     take_overs: u32, "Those in which it was the standby";
-    starved_ms: f64, "Time without the processor" => millis "starved" [2];
+    starved_ms: f64, "Time without the processor" => value "starved, ms" [2];
 }
 
 rows! {
@@ -129,19 +129,11 @@ rows! {
 rows! {
     /// A fault that was asked for, or an end or silence that was not.
     FaultRow, fault_columns;
-    t_s: f64, "Run time of its begin" => seconds "t";
+    t_s: f64, "Run time of its begin" => value "t, s";
     fault: String, "`kill camera`, `stop camera`, `delay image`; `died` and `hung` were not asked for" => word "fault";
     detected_after_us: Option<f64>, "Until launcher or standby noticed it" => micros "noticed after";
     recovered_after_us: Option<f64>, "Until the first cycle of the next process" => micros "back after";
     recovered_by: Option<&'static str>, "`restart` or `take-over`" => word "by";
-}
-
-fn seconds<R>(name: &'static str, heading: &'static str, meaning: &'static str) -> Column<R> {
-    number(name, heading, "s", 3, meaning)
-}
-
-fn millis<R>(name: &'static str, heading: &'static str, meaning: &'static str) -> Column<R> {
-    number(name, heading, "ms", 0, meaning)
 }
 
 impl ChainRow {
@@ -153,13 +145,12 @@ impl ChainRow {
     /// Why it does not hold, in words.
     fn broken(&self) -> String {
         let Self { chain, reactions, misses, deadline_us, max_misses, .. } = self;
-        match (misses, deadline_us) {
-            (Some(misses), Some(deadline_us)) if *reactions > 0 => format!(
-                "{chain}: {misses} of {reactions} reactions are later than {} ({max_misses} accepted)",
-                duration(*deadline_us)
-            ),
-            _ => format!("{chain}: no message reached the end"),
+        if *reactions == 0 {
+            return format!("{chain}: no message reached the end");
         }
+        let (misses, limit) = (misses.unwrap_or(0), duration(deadline_us.unwrap_or(0.0)));
+        let accepted = format!("({max_misses} accepted)");
+        format!("{chain}: {misses} of {reactions} reactions are later than {limit} {accepted}")
     }
 }
 
@@ -182,10 +173,10 @@ pub fn document(
         let reactions = times.reaction.count();
         chains.push(ChainRow {
             chain: name.clone(),
-            deadline_us: chain.deadline_ns().map(|ns| ns as f64 / 1e3),
+            deadline_us: chain.deadline_ms.map(|ms| 1e3 * ms.value()),
             reactions,
-            replaced: times::count(group, first, "sent")?.get().saturating_sub(reactions),
-            misses: chain.deadline_ns().map(|_| times.late.get()),
+            replaced: ports::count(group, first, "sent")?.get().saturating_sub(reactions),
+            misses: chain.deadline_ms.map(|_| times.late.get()),
             max_misses: chain.max_misses,
             reaction_time_us: (&times.reaction).into(),
             data_age_us: (&times.age).into(),
@@ -223,12 +214,12 @@ pub fn document(
             work_us: (&counts.work).into(),
             replacements: member.succession.replacements(),
             take_overs: member.succession.take_overs(),
-            starved_ms: member.heartbeats.starved_ms,
+            starved_ms: member.heartbeats.starved_ms.round(),
             node,
         }
     });
     let faults = log.records.iter().map(|record| FaultRow {
-        t_s: record.t_s,
+        t_s: (1e6 * record.t_s).round() / 1e6,
         fault: record.service.map_or(record.kind.clone(), |node| format!("{} {node}", record.kind)),
         detected_after_us: record.detected_after_us,
         recovered_after_us: record.recovered_after_us,
@@ -236,7 +227,7 @@ pub fn document(
     });
     let mut topics = Vec::new();
     for topic in graph.topics.keys() {
-        let count = |name| times::count(group, topic, name).map(|count| count.get());
+        let count = |name| ports::count(group, topic, name).map(|count| count.get());
         topics.push(TopicRow {
             topic: topic.clone(),
             bytes: Layout::of(graph, topic).length,
@@ -289,8 +280,5 @@ pub fn document(
         .file(HISTOGRAMS, histogram_log(&histograms))
         .verdict(report.ok, verdict)
         .broken(why);
-    Ok(match &report.against {
-        Some(against) => against.onto(document),
-        None => document,
-    })
+    Ok(report.against.iter().fold(document, |document, against| against.onto(document)))
 }

@@ -13,8 +13,6 @@
 //! It speaks DDS (RTPS) on the loopback interface alone.
 
 #[cfg(feature = "dds")]
-mod node;
-#[cfg(feature = "dds")]
 mod relay;
 
 #[cfg(feature = "dds")]

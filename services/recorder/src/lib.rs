@@ -47,7 +47,7 @@ pub use metadata::{FigureName, Host, LawNames, Metadata, SIMULATED_START_NS, Tal
 pub use reader::{Recording, Survey};
 pub use records::{Record, Records, Timed};
 pub use replayer::{FromReplayer, ToReplayer, replay};
-pub use service::run;
+pub use service::{attend, begin, run};
 pub use takes::{Cycle, Take};
 pub use writer::{Writer, recover};
 

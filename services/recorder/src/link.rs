@@ -3,12 +3,12 @@
 
 use crate::{LawNames, Metadata, Tally};
 use runtime::scheduling::Granted;
-use runtime::{Mode, Program, monotonic_ns};
+use runtime::{Mode, Program, RuntimeError, monotonic_ns};
 use scenario::Scenario;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::io::{self, BufRead, Write};
+use std::io::{BufRead, Write};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::SystemTime;
 
@@ -24,7 +24,7 @@ pub enum ToRecorder {
 }
 
 /// Facts that are known when the group starts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Start {
     /// Run time 0, in `CLOCK_MONOTONIC` ns.
     pub start_ns: i64,
@@ -74,18 +74,16 @@ pub struct Report {
 ///
 /// # Errors
 /// If the thread that reads them cannot be started.
-pub fn orders<Order: DeserializeOwned + Send + 'static>() -> io::Result<Receiver<Order>> {
+pub fn orders<Order: DeserializeOwned + Send + 'static>() -> Result<Receiver<Order>, RuntimeError> {
     let (sender, orders) = channel();
-    std::thread::Builder::new().name("link".into()).spawn(move || {
-        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
-            if let Ok(order) = serde_json::from_str(&line)
-                && sender.send(order).is_err()
-            {
-                return;
-            }
-        }
-    })?;
-    Ok(orders)
+    let listen = move || {
+        let orders = std::io::stdin().lock().lines().map_while(Result::ok);
+        let mut orders = orders.filter_map(|line| serde_json::from_str(&line).ok());
+        orders.all(|order| sender.send(order).is_ok());
+    };
+    let thread = std::thread::Builder::new().name("link".into()).spawn(listen);
+    let failed = |reason| RuntimeError::Setup("a thread that listens".into(), reason);
+    thread.map(|_| orders).map_err(failed)
 }
 
 /// Tells the launcher something: a JSON line on standard output.

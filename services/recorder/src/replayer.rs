@@ -11,7 +11,6 @@ use messages::{
 use runtime::{Group, Guest, RuntimeError, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
-use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -64,9 +63,6 @@ enum PlayError {
     Runtime(#[from] RuntimeError),
     #[error(transparent)]
     Recording(#[from] ReadError),
-    /// The thread that reads the launcher's lines.
-    #[error(transparent)]
-    Thread(#[from] io::Error),
 }
 
 fn refuse() -> ExitCode {

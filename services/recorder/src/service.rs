@@ -12,10 +12,11 @@ use crate::sequencer::{Placed, Sequencer};
 use crate::{Metadata, Recording, Tally, TopicTally, Writer};
 use mcap::{McapError, Summary};
 use runtime::{Group, Guest, Mode, RuntimeError, log_warnings, monotonic_ns};
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
+use std::fmt::Display;
 use std::fs::File;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -34,14 +35,23 @@ const FLUSH_PERIOD: Duration = Duration::from_secs(1);
 
 /// Becomes the recorder of a run. `arguments` are the run's root and the file to write.
 pub fn run(arguments: &[OsString]) -> ExitCode {
-    let [root, file] = arguments else {
-        eprintln!("the recorder is a service of timegap: start it with `timegap run`");
+    attend(arguments, |root, file| record(root, Path::new(file)).map(Some))
+}
+
+/// Becomes a process beside a run that takes its messages away. `arguments` are the run's root, and what `follow` gets
+/// beside it. The launcher gets the report, or why there is none.
+pub fn attend<E: Display>(
+    arguments: &[OsString],
+    follow: impl FnOnce(&Path, &OsStr) -> Result<Option<Report>, E>,
+) -> ExitCode {
+    let [root, target] = arguments else {
+        eprintln!("this is a service of timegap: start it with `timegap run`");
         return ExitCode::from(2);
     };
     log_warnings();
-    match record(Path::new(root), Path::new(file)) {
+    match follow(Path::new(root), target) {
         Ok(report) => {
-            say(&FromRecorder::Report(report));
+            report.into_iter().for_each(|report| say(&FromRecorder::Report(report)));
             ExitCode::SUCCESS
         }
         Err(reason) => {
@@ -51,34 +61,20 @@ pub fn run(arguments: &[OsString]) -> ExitCode {
     }
 }
 
-/// Reason why a run is not recorded.
-#[derive(Debug, thiserror::Error)]
-enum RecordError {
-    #[error(transparent)]
-    Runtime(#[from] RuntimeError),
-    #[error("{}: {reason}", path.display())]
-    File { path: PathBuf, reason: io::Error },
-    /// The start was not ordered.
-    #[error("the run ended before it began")]
-    Early,
-    /// A thread that reads the launcher's lines, or writes.
-    #[error(transparent)]
-    Thread(#[from] io::Error),
-}
-
-fn record(root: &Path, path: &Path) -> Result<Report, RecordError> {
+fn record(root: &Path, path: &Path) -> Result<Report, RuntimeError> {
     let group = Group::read(root)?;
     let scenario = group.scenario()?;
     let taps = Guest::join(&group, "recorder").and_then(Taps::open)?;
     bag::remove_beside(path);
-    let file =
-        File::create(path).map_err(|reason| RecordError::File { path: path.to_owned(), reason })?;
+    let not_made = |reason| RuntimeError::Setup(path.display().to_string(), reason);
+    let file = File::create(path).map_err(not_made)?;
     let orders = orders()?;
     let start = begin(&taps, &orders)?;
     let sequencer =
         Sequencer::new(group.mode, scenario.services().iter().map(|service| service.to_wire()));
     let metadata = start.metadata(&scenario, group.mode);
-    let disk = Disk::begin(file, metadata)?;
+    let no_thread = |reason| RuntimeError::Setup("a thread that writes".into(), reason);
+    let disk = Disk::begin(file, metadata).map_err(no_thread)?;
     let tally = follow(&group, &taps, &orders, &start, &disk, sequencer)?;
     let ended = disk.end(&tally);
     let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
@@ -88,13 +84,16 @@ fn record(root: &Path, path: &Path) -> Result<Report, RecordError> {
 }
 
 /// Connects to the senders when their ports exist, and waits for the common start.
-fn begin(taps: &Taps, orders: &Receiver<ToRecorder>) -> Result<Start, RecordError> {
+///
+/// # Errors
+/// [`RuntimeError::Stopped`] if the run ends before, [`RuntimeError::Topic`].
+pub fn begin(taps: &Taps, orders: &Receiver<ToRecorder>) -> Result<Start, RuntimeError> {
     loop {
-        match orders.recv().map_err(|_| RecordError::Early)? {
+        match orders.recv() {
             // A receiver that has not looked is not connected. Nothing was sent yet.
-            ToRecorder::Connect => drop(taps.take()?),
-            ToRecorder::Start(start) => return Ok(start),
-            ToRecorder::Finish => return Err(RecordError::Early),
+            Ok(ToRecorder::Connect) => drop(taps.take()?),
+            Ok(ToRecorder::Start(start)) => return Ok(start),
+            Ok(ToRecorder::Finish) | Err(_) => return Err(RuntimeError::Stopped),
         }
         say(&FromRecorder::Ready);
     }

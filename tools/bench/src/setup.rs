@@ -6,10 +6,11 @@ use std::fmt::Display;
 use supervise::MachineError;
 
 /// Scheduling of the measured processes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheduling {
     /// `SCHED_FIFO`, priorities as in a group.
+    #[default]
     Fifo,
     /// The time-sharing default.
     Other,

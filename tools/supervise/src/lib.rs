@@ -53,6 +53,6 @@ pub use root::{RunRoot, base, check_room, is_alive, shared_memory_room};
 pub use run::{Keep, Opening, drive, is_openscenario, open, open_with};
 pub use start::attendant::{Attendant, run as run_janitor};
 pub use start::of_service;
-pub use start::processes::{Janitor, Launch, this_program};
+pub use start::processes::{Janitor, Launch, Process, this_program};
 pub use supervisor::launch;
 pub use supervisor::roster::Roster;

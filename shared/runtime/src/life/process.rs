@@ -66,7 +66,12 @@ pub fn run_service(
     };
     log_warnings();
     let wait = |link: &Link| if is_prepared { wait(link) } else { Ok(()) };
-    match Runtime::join(service, Path::new(root), incarnation, wait).and_then(run) {
+    end_of_process(Runtime::join(service, Path::new(root), incarnation, wait).and_then(run))
+}
+
+/// The exit status of a process that lived so. The launcher gets the error.
+pub fn end_of_process(lived: Result<(), RuntimeError>) -> ExitCode {
+    match lived {
         Ok(()) | Err(RuntimeError::Stopped) => ExitCode::SUCCESS,
         // Not an orderly end of the service: the launcher may see it before the report of the take-over.
         Err(RuntimeError::Replaced) => ExitCode::from(REPLACED),

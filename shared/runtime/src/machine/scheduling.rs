@@ -89,11 +89,6 @@ pub struct Granted {
 }
 
 impl Granted {
-    /// True if the loop has a real-time priority.
-    pub(crate) fn is_realtime(&self) -> bool {
-        self.granted != Policy::Other.to_string()
-    }
-
     /// The priority of the loop that asked for `request`; 0 where it was not granted.
     pub(crate) fn priority(&self, request: &Request) -> u8 {
         if self.requested == self.granted { request.priority() } else { 0 }

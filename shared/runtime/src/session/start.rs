@@ -2,7 +2,7 @@
 
 use super::Runtime;
 use crate::counts::account::OwnAccount;
-use crate::machine::scheduling::{Request, above, apply, in_force};
+use crate::machine::scheduling::{Policy, Request, above, apply, in_force};
 use crate::report::{Payload, ServiceReport};
 use crate::survival::end_word;
 use crate::survival::standby::Standby;
@@ -35,7 +35,7 @@ impl Runtime {
             (Carrier::SharedMemory, Mode::Realtime) => apply(&Request::of(scenario, self.service)),
             (Carrier::SharedMemory, Mode::Lockstep) => apply(&Request::NOTHING),
         };
-        if granted.is_realtime() {
+        if granted.granted != Policy::Other.to_string() {
             self.life.link.raise_thread();
         }
         if let (Some(peers), Mode::Realtime) = (self.ports.transport.peers(), mode) {
@@ -57,8 +57,9 @@ impl Runtime {
         self.ports.connect()?;
         match order.standby_for {
             Some(active) => {
-                // Silent before the threads of the standby begin.
-                self.survival.be_silent();
+                // Silent before the threads of the standby begin: it sends and records nothing.
+                self.survival.gate.set_standby(true);
+                self.survival.figures.set_recording(false);
                 let words = &self.ports.transport.peers().expect("a standby is a process").words;
                 let own = (self.service, self.incarnation);
                 let standby = Standby::begin(&self.group, words, scenario, own, active, &granted)?;

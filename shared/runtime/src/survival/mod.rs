@@ -43,12 +43,6 @@ impl Survival {
         Self { figures, account: None, gate, standby: None, silent: (0, 0) }
     }
 
-    /// Makes this process silent: it sends and records nothing.
-    pub(crate) fn be_silent(&self) {
-        self.gate.set_standby(true);
-        self.figures.set_recording(false);
-    }
-
     /// Ends the time as a standby, in which `cycles` were run and `skipped` releases left out.
     pub(crate) fn become_active(&mut self, cycles: u64, skipped: u64) {
         self.standby = None;

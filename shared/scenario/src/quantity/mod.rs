@@ -33,6 +33,8 @@ quantities! {
     Time: f64, "a time", 0.0, 86_400.0, "s";
     TimeShift: f64, "a time", -86_400.0, 86_400.0, "s";
     Duration: f64, "a duration", 1e-3, 86_400.0, "s";
+    LoopMs: f64, "a time", 0.05, 60_000.0, "ms";
+    LoadUs: f64, "a processor time", 0.0, 1e7, "µs";
     TimeConstant: f64, "a time constant", 1e-3, 100.0, "s";
     Sigma: f64, "a standard deviation", 0.0, 100.0, "";
     SigmaMultiple: f64, "a multiple of sigma", 1.0, 100.0, "";
@@ -95,6 +97,7 @@ quantities! {
     Seed: u64, "a whole number", 0, i64::MAX, "";
     Count: u16, "a whole number", 1, 10_000, "";
     Megabytes: u32, "a size", 1, 1_000_000, "MiB", ", a whole number";
+    MessageBytes: u32, "a size", 1, 16_777_216, "bytes", ", a whole number";
     Steps: u16, "a whole number", 2, 1000, "";
     /// A real-time priority as SCHED_FIFO counts them.
     Priority: u8, "a priority", 1, 99, "", " (highest)";
@@ -120,6 +123,8 @@ macro_rules! nanoseconds {
 nanoseconds! {
     PeriodMs: |ms| ms as u64 * 1_000_000;
     DelayMs: |ms| ms as u64 * 1_000_000;
+    LoopMs: |ms| (ms * 1e6).round() as u64;
+    LoadUs: |us| (us * 1e3).round() as u64;
     Time: |s| (s * 1e9).round() as u64;
     Duration: |s| (s * 1e9).round() as u64;
 }

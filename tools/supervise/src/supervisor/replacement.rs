@@ -13,7 +13,7 @@ use drive::{Ended, Exit};
 use messages::Service;
 use runtime::{ActiveProcess, Cause, Mode, Progress, StartOrder, TakeOver, ToService};
 
-/// Time after which a restarted service that is not ready is killed, ns.
+/// Time after which a process that was started during the run and is not ready is killed, ns.
 const RESTART_TIMEOUT_NS: i64 = 2_000_000_000;
 
 impl Supervisor<'_> {
@@ -108,7 +108,7 @@ impl Supervisor<'_> {
     pub(super) fn start_what_is_due(&mut self, course: &mut Course, now_ns: i64) {
         for service in self.launch.scenario.services() {
             self.follow(service, succession::Event::Tick, course, now_ns);
-            self.roster.kill_the_late(service, now_ns, RESTART_TIMEOUT_NS);
+            self.roster.kill_the_late(service, now_ns);
         }
     }
 
@@ -188,8 +188,8 @@ impl<R: Role> Roster<'_, R> {
     }
 
     /// Kills a process of a member that should be ready by now; its end is an event.
-    pub fn kill_the_late(&mut self, role: R, now_ns: i64, limit_ns: i64) {
-        if let Some(incarnation) = self.of(role).overdue(now_ns, limit_ns) {
+    pub fn kill_the_late(&mut self, role: R, now_ns: i64) {
+        if let Some(incarnation) = self.of(role).overdue(now_ns, RESTART_TIMEOUT_NS) {
             self.kill(Who { role, incarnation }, Exit::NotReady);
         }
     }

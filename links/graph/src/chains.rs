@@ -1,4 +1,6 @@
-//! The content of a message: the common header, then the trail of each chain that goes over its topic.
+//! A chain: its trail in messages, and its reactions.
+//!
+//! A message is the common header, then the trail of each chain that goes over its topic.
 //!
 //! ```text
 //! Header │ trail of chain a: acquired, (due, idle, start, end) of each node so far │ trail of chain b │ rest
@@ -10,13 +12,17 @@
 use crate::plan::Graph;
 use messages::Header;
 use messages::e2e::profile7;
-use runtime::chain::part;
+use runtime::chain::{ChainTimes, part};
+use runtime::statistics::Latencies;
+use runtime::{Count, Figures, Group, RuntimeError};
 use std::ops::Range;
 
 /// Stamps of a node: its release, the start of its wait, the start of the cycle, and its end.
 pub const STAMPS: usize = 4;
 /// Parts of a reaction that a node makes up: wait, wake-up, work.
 pub const PARTS: usize = 3;
+/// Blocks of equal length in a run. A gate compares two runs block by block.
+pub const BLOCKS: usize = 12;
 /// Messages up to this length are protected whole. In longer ones header and trails are, as in the car's.
 const PROTECTED_WHOLE: usize = 4 << 10;
 
@@ -27,6 +33,7 @@ pub struct Layout {
     pub length: usize,
     /// Bytes of header and trails.
     pub used: usize,
+    protected: usize,
     /// The trail of each chain.
     trails: Vec<(usize, Range<usize>)>,
     data_id: u32,
@@ -41,37 +48,26 @@ impl Layout {
             used += 8 * (1 + STAMPS * nodes);
             trails.push((chain, begin..used));
         }
-        let number = graph.topics.keys().position(|known| known == topic).unwrap_or_default();
-        let writer = graph.writer(topic).unwrap_or_default();
-        let data_id = (number as u32 + 1) << 16 | (writer as u32 + 1);
-        Self { length: used.max(graph.topics[topic] as usize), used, trails, data_id }
-    }
-
-    fn protected(&self) -> usize {
-        if self.length <= PROTECTED_WHOLE { self.length } else { self.used }
+        let data_id = graph.topics.keys().take_while(|known| *known != topic).count() as u32;
+        let length = used.max(graph.topics[topic].value() as usize);
+        let protected = if length <= PROTECTED_WHOLE { length } else { used };
+        Self { length, used, protected, trails, data_id }
     }
 
     /// Writes header and trails into a message, and protects it. A chain without a trail leaves zeros.
-    pub fn write<'a>(
-        &self,
-        bytes: &mut [u8],
-        header: &Header,
-        trail: impl Fn(usize) -> Option<&'a [i64]>,
-    ) {
+    pub fn write<'a>(&self, bytes: &mut [u8], header: &Header, trail: impl Fn(usize) -> &'a [i64]) {
         bytes[..size_of::<Header>()].copy_from_slice(bytemuck::bytes_of(header));
         for (chain, place) in &self.trails {
-            let to = &mut bytes[place.clone()];
+            let (to, trail) = (&mut bytes[place.clone()], trail(*chain));
             to.fill(0);
-            for (to, stamp) in to.chunks_exact_mut(8).zip(trail(*chain).unwrap_or_default()) {
-                to.copy_from_slice(&stamp.to_le_bytes());
-            }
+            to[..size_of_val(trail)].copy_from_slice(bytemuck::cast_slice(trail));
         }
-        profile7::protect(&mut bytes[..self.protected()], self.data_id, header.sequence as u32);
+        profile7::protect(&mut bytes[..self.protected], self.data_id, header.sequence as u32);
     }
 
     /// The header of a message that passes the end-to-end check.
     pub fn read(&self, bytes: &[u8]) -> Option<Header> {
-        profile7::check(bytes.get(..self.protected())?, self.data_id).ok()?;
+        profile7::check(bytes.get(..self.protected)?, self.data_id).ok()?;
         Some(bytemuck::pod_read_unaligned(&bytes[..size_of::<Header>()]))
     }
 
@@ -79,8 +75,7 @@ impl Layout {
     pub fn trail(&self, bytes: &[u8], chain: usize, to: &mut Vec<i64>) {
         let found = self.trails.iter().find(|(of, _)| *of == chain);
         let found = found.and_then(|(_, place)| bytes.get(place.clone())).unwrap_or_default();
-        let word = |bytes: &[u8]| i64::from_le_bytes(bytes.try_into().expect("eight bytes"));
-        to.extend(found.chunks_exact(8).map(word));
+        to.extend(found.chunks_exact(8).map(bytemuck::pod_read_unaligned::<i64>));
         if to.first() == Some(&0) {
             to.clear();
         }
@@ -102,6 +97,51 @@ pub fn parts(trail: &[i64], parts: &mut Vec<i64>) -> i64 {
         parts.extend([wait, part(&mut reached_ns, *start), part(&mut reached_ns, *end)]);
     }
     designed_ns
+}
+
+/// The reactions of a chain.
+pub struct Reactions {
+    pub times: ChainTimes,
+    /// Reaction times in each block of the run.
+    pub blocks: Vec<Latencies>,
+    /// Acquisition of the sample that the chain reacted to last, in whatever process, ns.
+    last: Count,
+    block_ns: i64,
+    parts: Vec<i64>,
+}
+
+impl Reactions {
+    pub fn open(graph: &Graph, chain: usize, group: &Group) -> Result<Self, RuntimeError> {
+        let of = &graph.chains[chain];
+        // A file has room for few histograms.
+        let open =
+            |name: &str| Figures::open(group, format!("chain{chain}.{name}"))?.latencies(name);
+        let own = Figures::open(group, format!("chain{chain}"))?;
+        let blocks = (0..BLOCKS).map(|block| open(&format!("block{block}")));
+        let blocks = blocks.collect::<Result<_, _>>()?;
+        let names: Vec<String> = (0..PARTS * of.path.len()).map(|part| part.to_string()).collect();
+        let names = names.iter().map(String::as_str);
+        let deadline_ns = of.deadline_ms.map_or(i64::MAX, |ms| ms.nanoseconds().cast_signed());
+        let times = ChainTimes::open(names, deadline_ns, own.count("late")?, open)?;
+        let block_ns = (graph.length_ns() / BLOCKS as i64).max(1);
+        Ok(Self { times, blocks, last: own.count("last")?, block_ns, parts: Vec::new() })
+    }
+
+    /// Counts what ends at `end_ns` with these stamps: an age, and a reaction to a sample that is new. The run began at
+    /// `start_ns`.
+    pub fn count(&mut self, stamps: &[i64], (start_ns, end_ns): (i64, i64)) {
+        let acquired_ns = stamps[0];
+        self.times.age.record_ns(end_ns - acquired_ns);
+        // One process at a time ends a chain.
+        let newer = acquired_ns.cast_unsigned().wrapping_sub(self.last.get());
+        if newer != 0 {
+            self.last.add(newer);
+            let designed_ns = parts(stamps, &mut self.parts);
+            self.times.count(&self.parts, designed_ns);
+            let block = ((end_ns - start_ns) / self.block_ns).clamp(0, BLOCKS as i64 - 1);
+            self.blocks[block as usize].record_ns(end_ns - acquired_ns);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -134,7 +174,7 @@ mod tests {
         let mut bytes = vec![0; layout.length];
         let header = Header::new(7, 5, messages::Origins::NONE);
         let trails = [&[1, 2, 3, 4, 5, 6, 7, 8, 9][..], &[6, 6, 7, 8, 9]];
-        layout.write(&mut bytes, &header, |chain| Some(trails[chain]));
+        layout.write(&mut bytes, &header, |chain| trails[chain]);
         assert_eq!(layout.read(&bytes).map(|header| header.step), Some(7));
         for (chain, stamped) in trails.into_iter().enumerate() {
             let mut found = Vec::new();
