@@ -40,8 +40,8 @@ pub struct Object {
     pub probability: f64,
     /// It was seen lately.
     pub is_seen: bool,
-    /// The side on which its face is behind a nearer object, 1 left, -1 right, or 0: neither.
-    pub(crate) hidden_side: f64,
+    /// The shadow of a nearer object on its face.
+    pub(crate) shadow: Option<Shadow>,
     /// Bits of the last scans in which it was seen, the newest in the lowest bit.
     pub(crate) history: u32,
     /// Time since it was last seen, s.
@@ -51,6 +51,23 @@ pub struct Object {
     pub(crate) road_rad: f64,
     /// Standard deviation of the road across the corridor there, m.
     pub(crate) way_sigma_m: f64,
+}
+
+/// The part of a face that a nearer object hides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shadow {
+    /// The hidden side: 1 left, -1 right.
+    pub(crate) side: f64,
+    /// Where the shadow ends, m left of the way.
+    pub(crate) edge_m: f64,
+}
+
+impl Shadow {
+    /// The larger one of two; `None` if they are on both sides.
+    pub(crate) fn and(self, other: Self) -> Option<Self> {
+        let is_larger = self.side * (self.edge_m - other.edge_m) < 0.0;
+        (self.side == other.side).then_some(if is_larger { self } else { other })
+    }
 }
 
 impl Object {
@@ -76,7 +93,7 @@ impl Object {
             is_confirmed: false,
             probability: 1.0,
             is_seen: true,
-            hidden_side: 0.0,
+            shadow: None,
             history: 0,
             unseen_s: 0.0,
             bow_m: 0.0,
@@ -149,13 +166,25 @@ impl Object {
         surely_m > 0.0 && off_m < surely_m * view_tangent
     }
 
-    /// The side on which `nearer` hides a corner of its face, 1 left, -1 right, or 0: neither, or both.
-    pub(crate) fn side_hidden_by(&self, nearer: &Self) -> f64 {
+    /// The shadow of `nearer` on its face; `None` if it hides neither corner. If both are hidden, what is seen is the side
+    /// that it shows.
+    pub(crate) fn shadow_of(&self, nearer: &Self) -> Option<Shadow> {
         if nearer.distance_m + BLIND_MARGIN_M >= self.distance_m {
-            return 0.0;
+            return None;
         }
         let is_hidden = |side: f64| nearer.hides(self.distance_m, self.sight_m() + side * SIDE_M);
-        f64::from(is_hidden(1.0)) - f64::from(is_hidden(-1.0))
+        let side = match (is_hidden(1.0), is_hidden(-1.0)) {
+            (false, false) => return None,
+            (true, true) => self.shown_side()?.0,
+            (left, _) => f64::from(left) * 2.0 - 1.0,
+        };
+        // The lines of sight past the nearer one's two corners on the open side: one of them bounds the shadow.
+        let corner_m = nearer.sight_m() - side * HALF_WIDTH_M;
+        let past_m = |along_m: f64| corner_m * self.distance_m / along_m.max(BLIND_MARGIN_M);
+        let bounds = [past_m(nearer.distance_m), past_m(nearer.distance_m + nearer.length_m)];
+        let edge_m =
+            bounds.into_iter().reduce(|a, b| if side > 0.0 { a.min(b) } else { a.max(b) })?;
+        Some(Shadow { side, edge_m: edge_m - self.bow_m })
     }
 
     /// True if the straight line to a place passes through it.

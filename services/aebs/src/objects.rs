@@ -16,8 +16,8 @@
 //! The face's echoes merge and fluctuate, so that their middle wanders by 0.3 m. The points of a side differ in range
 //! and are as exact as the radar's azimuth. So a vehicle beside the path is located by the side that it shows.
 //!
-//! If a nearer object hides one corner of its face, its middle is up to half a width farther to that side than what is
-//! seen. The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
+//! A nearer object may hide one corner of its face. What is seen is then the strip from the edge of the shadow to the
+//! other corner, and its middle is farther to the hidden side. The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
 //!
 //! An object counts once it was seen in three of four scans. A standing one counts after four of five. It is a threat
 //! only up to the neighbouring lanes.
@@ -31,7 +31,7 @@
 use crate::collision_ahead::where_it_stands;
 use crate::corridor::Corridor;
 use crate::decision::Path;
-use crate::object::{HALF_WIDTH_M, MAX_OBJECTS, Object};
+use crate::object::{HALF_WIDTH_M, MAX_OBJECTS, Object, Shadow};
 use crate::point::Point;
 use crate::sighting::correct;
 use crate::way::Way;
@@ -149,8 +149,10 @@ impl Objects {
         for index in 0..self.list.len() {
             let object = &self.list[index];
             let nearer = self.list.iter().filter(|nearer| !nearer.is_beside_the_road());
-            let sides = nearer.map(|nearer| object.side_hidden_by(nearer));
-            self.list[index].hidden_side = sides.sum::<f64>().clamp(-1.0, 1.0);
+            let mut shadows = nearer.filter_map(|nearer| object.shadow_of(nearer));
+            let first = shadows.next();
+            let shadow = first.and_then(|first| shadows.try_fold(first, Shadow::and));
+            self.list[index].shadow = shadow;
         }
         for object in &mut self.list {
             object.move_along(period_s, ego_mps);

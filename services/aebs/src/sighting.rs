@@ -1,7 +1,7 @@
 //! Measurement of one object from all its points in one scan.
 
 use crate::filter::Lateral;
-use crate::object::{FIRST_SIGMA_M, HALF_WIDTH_M, OVERHANG_M, Object, SIDE_M};
+use crate::object::{FIRST_SIGMA_M, HALF_WIDTH_M, OVERHANG_M, Object, SIDE_M, Shadow};
 use crate::point::{Point, SIDE_SIGMA_M};
 
 /// Points so near to the nearest face belong to it, m. If there are none, the second distance shows that it was
@@ -142,10 +142,12 @@ fn middle_of_face(object: &Object, points: &[Point]) -> Option<(f64, f64)> {
         (moment_m / amplitude, FACE_SIGMA_M)
     };
     let by_range_m = FACE_SIGMA_RAD * object.distance_m;
-    // The middle is between what is seen and half a width beyond on the hidden side, all alike.
-    let hidden_m = SIDE_M * object.hidden_side;
+    // Seen is the middle of a strip from the shadow to a corner. Half of the strip is missing to half of the body.
+    let hidden_m = object.shadow.map_or(0.0, |Shadow { side, edge_m }| {
+        side * (SIDE_M - (side * (edge_m - middle_m)).max(0.0)).max(0.0)
+    });
     let variance_m2 = sigma_m * sigma_m + by_range_m * by_range_m + hidden_m * hidden_m / 12.0;
-    (amplitude > 0.0).then_some((middle_m + 0.5 * hidden_m, variance_m2))
+    (amplitude > 0.0).then_some((middle_m + hidden_m, variance_m2))
 }
 
 /// Lateral speed from the range rates' dependence on the direction, m/s, with its variance.

@@ -129,21 +129,42 @@ fn a_line_of_sight_is_hidden_by_a_body_that_it_passes_through() {
     assert!(!stands(-4.4, 0.0).hides(30.0, 0.0), "it is passed");
 }
 
-/// The side of a car 30 m ahead that another one hides.
-fn hidden_side(off_m: f64, nearer: Object) -> f64 {
-    stands(30.0, off_m).side_hidden_by(&nearer)
+/// The shadow of another car on a car 30 m ahead: its side, and its edge.
+fn shadow(off_m: f64, nearer: Object) -> Option<(f64, f64)> {
+    let found = stands(30.0, off_m).shadow_of(&nearer);
+    found.map(|shadow| (shadow.side, shadow.edge_m))
 }
 
 #[test]
 fn a_nearer_object_hides_one_corner_both_or_none() {
-    // The line to the left corner, 0.9 m at 30 m, is 0.3 m to the left at 10 m.
-    assert_eq!(hidden_side(0.0, stands(10.0, 1.2)), 1.0);
-    assert_eq!(hidden_side(0.0, stands(10.0, -1.2)), -1.0);
-    assert_eq!(hidden_side(0.0, stands(10.0, 1.4)), 0.0, "beside all lines");
-    assert_eq!(hidden_side(0.0, stands(10.0, 0.0)), 0.0, "all of it");
+    // The line to the left corner, 0.9 m at 30 m, is 0.3 m to the left at 10 m. The nearer one has a corner there at
+    // 0.25 m, and behind it another one that is 14.3 m ahead.
+    let (side, edge_m) = shadow(0.0, stands(10.0, 1.2)).expect("a corner");
+    assert!(side == 1.0 && (edge_m - 0.25 * 30.0 / 14.3).abs() < 1e-6, "{edge_m}");
+    let (side, edge_m) = shadow(0.0, stands(10.0, -1.2)).expect("a corner");
+    assert!(side == -1.0 && (edge_m + 0.25 * 30.0 / 14.3).abs() < 1e-6, "{edge_m}");
+    assert_eq!(shadow(0.0, stands(10.0, 1.4)), None, "beside all lines");
+    assert_eq!(shadow(0.0, stands(10.0, 0.0)), None, "all of it");
     // Not nearer by half a metre, or passed.
-    assert_eq!(hidden_side(0.0, stands(29.6, 1.2)), 0.0);
-    assert_eq!(hidden_side(0.0, stands(-8.4, 1.2)), 0.0);
+    assert_eq!(shadow(0.0, stands(29.6, 1.2)), None);
+    assert_eq!(shadow(0.0, stands(-8.4, 1.2)), None);
+}
+
+#[test]
+fn in_a_queue_beside_the_ego_the_inner_side_is_seen() {
+    // Behind another car, both corners are in its shadow when the estimate is somewhat off.
+    let (side, edge_m) = shadow(3.5, stands(23.0, 3.4)).expect("a shadow");
+    assert!(side == 1.0 && (edge_m - 2.45 * 30.0 / 27.3).abs() < 1e-6, "{edge_m}");
+    let (side, _) = shadow(3.9, stands(23.0, 2.9)).expect("a shadow");
+    assert_eq!(side, 1.0);
+}
+
+#[test]
+fn of_two_shadows_the_larger_one_counts() {
+    let of = |side: f64, edge_m: f64| Shadow { side, edge_m };
+    assert_eq!(of(1.0, 2.0).and(of(1.0, 1.5)), Some(of(1.0, 1.5)));
+    assert_eq!(of(-1.0, -2.0).and(of(-1.0, -2.5)), Some(of(-1.0, -2.0)));
+    assert_eq!(of(1.0, 2.0).and(of(-1.0, 1.0)), None, "one from each side");
 }
 
 #[test]
