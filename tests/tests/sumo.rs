@@ -133,6 +133,42 @@ fn a_killed_sumo_ends_both_egos() {
     corner.expect_nothing_left(&[]);
 }
 
+/// The process that has a seat at a shared SUMO, of this test's corner.
+fn run_of_ego(words: &str, number: u32) -> Option<i32> {
+    let seat = format!(" {number}\0");
+    let is_its = |pid: &i32| {
+        let of = |file: &str| std::fs::read(format!("/proc/{pid}/{file}")).unwrap_or_default();
+        let (line, kept) = (of("cmdline"), of("environ"));
+        let (line, kept) = (String::from_utf8_lossy(&line), String::from_utf8_lossy(&kept));
+        let given = kept.split_once("TIMEGAP_SUMO=").map(|(_, rest)| rest);
+        let is_seated =
+            given.is_some_and(|rest| rest.trim_start_matches(char::is_numeric).starts_with(&seat));
+        is_seated && line.contains("\0run\0") && line.contains(words)
+    };
+    let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok()).find(is_its)
+}
+
+fn a_killed_ego_leaves_the_net_to_the_other() {
+    let corner = Corner::new(PROGRAM);
+    let grid = own_grid(&corner);
+    let words = corner.path().display().to_string();
+    let usual = ["run", &grid, "--ego", "through", "--egos", "2", "--duration", "30"];
+    let child = with_sumo(&corner, &[&usual[..], &["--out", "k"]].concat()).spawn();
+    let child = child.expect("it starts");
+    assert!(wait_for(|| corner.path().join("k/ego-2/live.json").exists()), "both drive");
+    let run = run_of_ego(&words, 2).expect("it drives").to_string();
+    let _ = Command::new("kill").args(["-KILL", &run]).status();
+    let output = child.wait_with_output().expect("our child");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    assert_eq!(said.matches("the run of ego 2 has broken off").count(), 1, "{said}");
+    let summary = std::fs::read(corner.path().join("k/ego-1/summary.json")).expect("it went on");
+    let summary: Value = serde_json::from_slice(&summary).expect("JSON");
+    assert_eq!(summary["outcome"], "completed", "{summary}");
+    assert!(wait_for(|| sumos(&words).is_empty()), "SUMO is gone");
+}
+
 fn lights_come_as_frames_too() {
     let corner = Corner::new(PROGRAM);
     let frames = ["--in-process", "--out", "f", "--set", "v2x.radio=\"frames\""];
@@ -263,6 +299,7 @@ fn main() -> ExitCode {
         ),
         needing(pypi, "lights_come_as_frames", lights_come_as_frames_too),
         needing(pypi, "two_egos_share_one_sumo", two_egos_share_one_sumo_and_repeat_their_bytes),
+        needing(pypi, "a_killed_ego_leaves", a_killed_ego_leaves_the_net_to_the_other),
         needing(pypi, "a_killed_sumo_ends_both_egos", a_killed_sumo_ends_both_egos),
         needing(
             pypi,

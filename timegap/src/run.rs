@@ -3,6 +3,7 @@
 use crate::live::{Live, LiveOptions};
 use clap::Args;
 use controller::law::Formulation;
+use perception_sim::Alone;
 use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
 use report::results::ResultOptions;
 use report::summary::{self, Summary};
@@ -178,7 +179,8 @@ fn run_egos(scenario: &Scenario, arguments: &RunArguments, egos: u32) -> Result<
         die_with_this_thread(&mut run);
         Ok(run)
     };
-    let sumo = sumo::Shared::start((config, scenario.seed.value()), egos, die_with_this_thread);
+    let (program, deadline_s) = ((&**config, scenario.seed.value()), scenario.traffic.deadline_s);
+    let sumo = sumo::Shared::start(program, deadline_s.value(), &mut Alone::default());
     let done = sumo.and_then(|sumo| sumo.drive((1..=egos).map(run)));
     let done = done.map_err(|error| RuntimeError::Program(Box::new(error)))?;
     done.iter().try_for_each(|output| print::out(&String::from_utf8_lossy(&output.stdout)))?;

@@ -1,11 +1,13 @@
 //! A client of TraCI: what this crate asks of SUMO.
 
-use std::io::{ErrorKind, Read, Write};
-use std::net::TcpStream;
+use std::collections::HashMap;
+use std::io::ErrorKind;
+use std::net::{Shutdown, TcpStream};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
-use crate::process::Process;
-use crate::wire::{Answer, Body, MOST_BYTES, Value};
+use crate::process::{Network, Process};
+use crate::wire::{Answer, Body, Value, read_message, write_message};
 use crate::{ProgramError, RADIUS_M};
 
 /// Least version of TraCI: that of SUMO 1.20.
@@ -13,11 +15,17 @@ const VERSION: i32 = 21;
 /// A subscription from before this time to this time lasts for the whole run, s.
 const ALWAYS_S: f64 = 1_073_741_824.0;
 
-/// Variables of a vehicle that a step brings.
-const VEHICLE: [u8; 6] = [0x42, 0x40, 0x43, 0x72, 0x44, 0x4d];
+/// Variables of a vehicle that a step brings: each costs SUMO a microsecond a vehicle.
+const VEHICLE: [u8; 4] = [0x42, 0x40, 0x43, 0x72];
+/// Its length and width.
+const SIZE: [u8; 2] = [0x44, 0x4d];
 /// Variables of a light: state, next switch, phase, time spent in it.
 const LIGHT: [u8; 4] = [0x20, 0x2d, 0x28, 0x38];
 
+/// Commands: a step, a subscription to the surroundings of a vehicle, the end.
+pub const STEP: u8 = 0x02;
+pub const SURROUND: u8 = 0x84;
+pub const END: u8 = 0x7f;
 const GET_LIGHT: u8 = 0xa2;
 const GET_VEHICLE: u8 = 0xa4;
 const GET_SIMULATION: u8 = 0xab;
@@ -63,15 +71,16 @@ pub struct Step {
 /// The connection.
 #[derive(Debug)]
 pub struct Client {
-    /// SUMO, unless several clients share it.
+    /// SUMO, unless a [`crate::Shared`] has it.
     process: Option<Process>,
     stream: TcpStream,
-    /// Id of the ego once it was added, and whether its surroundings come with each step.
+    /// Id of the ego once it was added.
     ego: String,
-    is_surrounded: bool,
-    /// Messages that were sent and not answered.
-    owed: u32,
+    /// Lengths and widths of vehicles, which do not change, m.
+    sizes_m: HashMap<String, [f64; 2]>,
     deadline_s: f64,
+    /// Part of the run, for errors.
+    when: &'static str,
     /// Commands that were sent: their names.
     sent: Vec<&'static str>,
     out: Vec<u8>,
@@ -82,21 +91,38 @@ pub struct Client {
 type Done<T> = Result<T, ProgramError>;
 
 impl Client {
+    /// Starts SUMO with a configuration and a seed, and greets it.
+    pub fn start(
+        (config, seed): (&Path, u64),
+        deadline_s: f64,
+        network: &mut dyn Network,
+    ) -> Done<Self> {
+        let (mut process, port) = Process::start((config, seed), |c| network.prepare(c))?;
+        let stream = process.connect(port, network)?;
+        Self::open(Some(process), stream, deadline_s)
+    }
+
     /// Greets SUMO on a connection, and checks its version.
     pub fn open(process: Option<Process>, stream: TcpStream, deadline_s: f64) -> Done<Self> {
-        let (ego, sent, out) = (String::new(), Vec::new(), Vec::new());
-        let (is_surrounded, owed, begun) = (false, 0, Instant::now());
-        let mut this =
-            Self { process, stream, ego, is_surrounded, owed, deadline_s, sent, out, begun };
+        let mut this = Self {
+            process,
+            stream,
+            ego: String::new(),
+            sizes_m: HashMap::new(),
+            deadline_s,
+            when: "at its start",
+            sent: Vec::new(),
+            out: Vec::new(),
+            begun: Instant::now(),
+        };
         let timeout = Some(Duration::from_secs_f64(deadline_s));
         let set = this.stream.set_nodelay(true);
         let set = set.and_then(|()| this.stream.set_read_timeout(timeout));
         set.and_then(|()| this.stream.set_write_timeout(timeout))
             .map_err(ProgramError::start("a connection"))?;
-        let answer = this.ask(0x00, "the greeting", Body::default(), "at the greeting")?;
+        let answer = this.ask(0x00, "the greeting", &Body::default())?;
         let mut answer = Answer(&answer);
-        answer.length()?;
-        answer.byte()?;
+        answer.command()?;
         let (version, name) = (answer.whole()?, answer.text()?);
         if version < VERSION || !name.starts_with("SUMO") {
             let name: String = name.chars().filter(|c| !c.is_control()).take(60).collect();
@@ -113,68 +139,56 @@ impl Client {
         self.sent.push(name);
     }
 
-    fn send(&mut self, when: &str) -> Done<()> {
-        let mut message = (self.out.len() as i32 + 4).to_be_bytes().to_vec();
-        message.append(&mut self.out);
-        self.owed += 1;
-        self.stream.write_all(&message).map_err(|error| self.failed(&error, when))
+    fn send(&mut self) -> Done<()> {
+        let sent = write_message(&mut self.stream, &std::mem::take(&mut self.out));
+        sent.map_err(|error| self.failed(&error))
     }
 
-    fn receive(&mut self, when: &str) -> Done<Vec<u8>> {
-        let mut head = [0; 4];
-        self.stream.read_exact(&mut head).map_err(|error| self.failed(&error, when))?;
-        let length = usize::try_from(i32::from_be_bytes(head)).ok();
-        let length = length.and_then(|length| length.checked_sub(4)).filter(|n| *n <= MOST_BYTES);
-        let mut body = vec![0; length.ok_or_else(|| ProgramError::nonsense("its length"))?];
-        self.stream.read_exact(&mut body).map_err(|error| self.failed(&error, when))?;
-        self.owed -= 1;
-        Ok(body)
+    fn receive(&mut self) -> Done<Vec<u8>> {
+        read_message(&mut self.stream).map_err(|error| self.failed(&error))
     }
 
-    fn failed(&mut self, error: &std::io::Error, when: &str) -> ProgramError {
+    fn failed(&mut self, error: &std::io::Error) -> ProgramError {
         match error.kind() {
             ErrorKind::WouldBlock | ErrorKind::TimedOut => {
                 // Nothing waits for the goodbye of a process that hangs.
                 self.process.iter_mut().for_each(Process::kill);
-                ProgramError::silent(when, self.deadline_s)
+                ProgramError::silent(self.when, self.deadline_s)
             }
-            _ => self.ended(when),
+            ErrorKind::InvalidData => ProgramError::nonsense("its length"),
+            _ => match &mut self.process {
+                Some(process) => process.ended(self.when),
+                None => ProgramError(format!("ended {}", self.when)),
+            },
         }
     }
 
-    fn ended(&mut self, when: &str) -> ProgramError {
-        match &mut self.process {
-            Some(process) => process.ended(when),
-            None => ProgramError(format!("ended {when}")),
-        }
+    /// Hands on a message of commands, as another client wrote it; the answer.
+    pub fn forward(&mut self, message: &[u8]) -> Done<Vec<u8>> {
+        self.when = "during the run";
+        self.out.extend(message);
+        self.send()?;
+        self.receive()
     }
 
-    /// Takes the statuses of all commands that were sent.
-    fn statuses(&mut self, answer: &mut Answer<'_>) -> Done<()> {
+    /// Sends one command; the answer behind its status.
+    fn ask(&mut self, id: u8, name: &'static str, body: &Body) -> Done<Vec<u8>> {
+        self.put(id, name, body);
+        self.send()?;
+        let bytes = self.receive()?;
+        let mut answer = Answer(&bytes);
         for command in std::mem::take(&mut self.sent) {
             if let (_, Some(words)) = answer.status()? {
                 return Err(ProgramError::refused(command, &words));
             }
         }
-        Ok(())
-    }
-
-    /// Sends one command; the answer behind its status.
-    fn ask(&mut self, id: u8, name: &'static str, body: Body, when: &str) -> Done<Vec<u8>> {
-        self.put(id, name, &body);
-        self.send(when)?;
-        let bytes = self.receive(when)?;
-        let mut answer = Answer(&bytes);
-        self.statuses(&mut answer)?;
         Ok(answer.0.to_vec())
     }
 
     fn get(&mut self, id: u8, variable: u8, object: &str) -> Done<Value> {
-        let body = Body::default().byte(variable).text(object);
-        let answer = self.ask(id, "a question", body, "at its start")?;
+        let answer = self.ask(id, "a question", &Body::default().byte(variable).text(object))?;
         let mut answer = Answer(&answer);
-        answer.length()?;
-        answer.byte()?;
+        answer.command()?;
         answer.byte()?;
         answer.text()?;
         answer.value()
@@ -185,13 +199,7 @@ impl Client {
         let mut body = Body::default().byte(variable).text(object);
         body.0.extend(value.0);
         let name = if domain == SET_ROUTE { "the ego's route" } else { "the ego" };
-        self.ask(domain, name, body, "at its start").map(|_| ())
-    }
-
-    /// Takes a turn among the clients that share SUMO: commands are executed in the order of these numbers.
-    pub fn order(&mut self, number: u32) -> Done<()> {
-        let body = Body::default().whole(number as i32);
-        self.ask(0x03, "the order of the egos", body, "at its start").map(|_| ())
+        self.ask(domain, name, &body).map(drop)
     }
 
     /// SUMO's time, s.
@@ -201,8 +209,7 @@ impl Client {
 
     /// Steps to a time, s, or once for 0.
     pub fn step_to(&mut self, time_s: f64) -> Done<()> {
-        let body = Body::default().number(time_s);
-        self.ask(0x02, "a step", body, "before the run").map(|_| ())
+        self.ask(STEP, "a step", &Body::default().number(time_s)).map(drop)
     }
 
     /// Ids of the vehicles in the net.
@@ -247,20 +254,22 @@ impl Client {
 
     /// Subscribes to the vehicles around the ego.
     pub fn surround(&mut self) -> Done<()> {
-        let body = around(&self.ego, &VEHICLE);
-        self.ask(0x84, "a subscription", body, "at its start")?;
-        self.is_surrounded = true;
-        Ok(())
+        self.ask(SURROUND, "a subscription", &around(&self.ego, &VEHICLE)).map(drop)
+    }
+
+    /// Takes an ego out of the net. SUMO ends if its subscription is still there.
+    pub fn remove(&mut self, ego: &str) -> Done<()> {
+        self.ask(SURROUND, "the end of a subscription", &around(ego, &[]))?;
+        self.set((SET_VEHICLE, 0x81), ego, Body::default().byte(0x08).byte(3))
     }
 
     /// Subscribes to a controller of lights.
     pub fn watch(&mut self, controller: &str) -> Done<()> {
         let body = subscription(|body| body.text(controller), &LIGHT);
-        self.ask(0xd2, "a subscription", body, "at its start").map(|_| ())
+        self.ask(0xd2, "a subscription", &body).map(drop)
     }
 
-    /// Places the ego and steps once, without a wait in between. SUMO mixes up the answers of clients that share it if
-    /// one message has both.
+    /// Places the ego and steps once, without a wait.
     pub fn begin_step(&mut self, front_m: [f64; 2], angle_deg: f64) -> Done<()> {
         let place = Body::default().byte(0xb4).text(&self.ego).byte(0x0f).whole(6);
         let place = place.typed_text("").typed_whole(-1);
@@ -268,47 +277,38 @@ impl Client {
         // On its route, at the nearest place.
         let place = place.typed_number(angle_deg).byte(0x08).byte(1);
         self.put(SET_VEHICLE, "placing the ego", &place);
-        self.send("during the run")?;
-        self.put(0x02, "a step", &Body::default().number(0.0));
-        self.begun = Instant::now();
-        self.send("during the run")
+        self.put(STEP, "a step", &Body::default().number(0.0));
+        (self.when, self.begun) = ("during the run", Instant::now());
+        self.send()
     }
 
     /// True if the answer of the step that was begun has come.
     pub fn has_answered(&mut self) -> Done<bool> {
-        let when = "during the run";
-        // The answer to the placing comes before it: a status, with words if it is refused.
-        let mut begin = [0; 4096];
-        let peeked = self.stream.set_nonblocking(true).and_then(|()| self.stream.peek(&mut begin));
+        let peeked = self.stream.set_nonblocking(true).and_then(|()| self.stream.peek(&mut [0]));
         let blocks = self.stream.set_nonblocking(false);
-        let has_come = match peeked.and_then(|count| blocks.map(|()| count)) {
-            Ok(0) => return Err(self.ended(when)),
-            Ok(count) => {
-                let first = i32::from_be_bytes([begin[0], begin[1], begin[2], begin[3]]);
-                usize::try_from(first).is_ok_and(|first| count > first.max(4))
+        match peeked.and_then(|count| blocks.map(|()| count)) {
+            Ok(0) => Err(self.failed(&ErrorKind::UnexpectedEof.into())),
+            Ok(_) => Ok(true),
+            Err(error) if error.kind() != ErrorKind::WouldBlock => Err(self.failed(&error)),
+            Err(_) if self.begun.elapsed().as_secs_f64() > self.deadline_s => {
+                Err(self.failed(&ErrorKind::TimedOut.into()))
             }
-            Err(error) if error.kind() == ErrorKind::WouldBlock => false,
-            Err(error) => return Err(self.failed(&error, when)),
-        };
-        if !has_come && self.begun.elapsed().as_secs_f64() > self.deadline_s {
-            return Err(self.failed(&ErrorKind::TimedOut.into(), when));
+            Err(_) => Ok(false),
         }
-        Ok(has_come)
     }
 
     /// The outcome of the step that was begun.
     pub fn end_step(&mut self) -> Done<Step> {
         self.sent.clear();
-        let (_, refusal) = Answer(&self.receive("during the run")?).status()?;
-        let bytes = self.receive("during the run")?;
+        let bytes = self.receive()?;
         let mut answer = Answer(&bytes);
+        let (_, refusal) = answer.status()?;
         if let (_, Some(words)) = answer.status()? {
             return Err(ProgramError::refused("a step", &words));
         }
         let mut step = Step { refusal, ..Step::default() };
         for _ in 0..answer.count()? {
-            answer.length()?;
-            let is_context = answer.byte()? & 0xf0 == 0x90;
+            let is_context = answer.command()? & 0xf0 == 0x90;
             let subject = answer.text()?;
             if is_context {
                 answer.byte()?;
@@ -330,8 +330,6 @@ impl Client {
                         (0x40, _) => vehicle.speed_mps = value.number(),
                         (0x43, _) => vehicle.angle_deg = value.number(),
                         (0x72, _) => vehicle.acceleration_mps2 = value.number(),
-                        (0x44, _) => vehicle.length_m = value.number(),
-                        (0x4d, _) => vehicle.width_m = value.number(),
                         (0x20, Value::Text(letters)) => state.letters.clone_from(letters),
                         (0x2d, _) => state.next_s = value.number(),
                         (0x28, _) => state.phase = value.number().max(0.0) as usize,
@@ -343,13 +341,30 @@ impl Client {
                     }
                 }
                 match is_context {
-                    true if vehicle.id == self.ego => {}
+                    // Another ego's surroundings come too, and the ego is in its own.
+                    true if subject != self.ego || vehicle.id == self.ego => {}
                     true => step.vehicles.push(vehicle),
                     false => step.states.push(state),
                 }
             }
         }
+        for vehicle in &mut step.vehicles {
+            [vehicle.length_m, vehicle.width_m] = self.size_m(&vehicle.id)?;
+        }
         Ok(step)
+    }
+
+    /// Length and width of a vehicle, m.
+    fn size_m(&mut self, id: &str) -> Done<[f64; 2]> {
+        if let Some(known) = self.sizes_m.get(id) {
+            return Ok(*known);
+        }
+        let mut size_m = [0.0; 2];
+        for (value, variable) in size_m.iter_mut().zip(SIZE) {
+            *value = self.get(GET_VEHICLE, variable, id)?.number();
+        }
+        self.sizes_m.insert(id.to_owned(), size_m);
+        Ok(size_m)
     }
 }
 
@@ -367,29 +382,14 @@ fn around(id: &str, variables: &[u8]) -> Body {
 }
 
 impl Drop for Client {
-    /// Says goodbye, and waits until the process is gone. Others that share SUMO go on without the ego.
+    /// Says goodbye, and waits until the process is gone.
     fn drop(&mut self) {
         self.out.clear();
         // A process that hangs does not read it, and is killed.
         let _ = self.stream.set_write_timeout(Some(Duration::from_millis(100)));
-        let mut leaves = || -> Done<()> {
-            let (when, is_shared) = ("at the end", self.process.is_none());
-            while is_shared && self.owed > 0 {
-                self.receive(when)?;
-            }
-            self.sent.clear();
-            if is_shared && self.is_surrounded {
-                // SUMO ends if a vehicle with a subscription is taken away.
-                self.ask(0x84, "the end of a subscription", around(&self.ego, &[]), when)?;
-                let gone = Body::default().byte(0x81).text(&self.ego).byte(0x08).byte(3);
-                self.ask(SET_VEHICLE, "the end of the ego", gone, when)?;
-            }
-            self.put(0x7f, "the end", &Body::default());
-            self.send(when)?;
-            if is_shared { self.receive(when).map(drop) } else { Ok(()) }
-        };
-        if leaves().is_ok() {
-            let _ = self.stream.shutdown(std::net::Shutdown::Write);
+        self.put(END, "the end", &Body::default());
+        if self.send().is_ok() {
+            let _ = self.stream.shutdown(Shutdown::Write);
             self.process.iter_mut().for_each(|process| drop(process.end()));
         }
     }

@@ -65,16 +65,16 @@ pub struct Process {
 }
 
 impl Process {
-    /// Finds and starts the program with arguments; the port on which it will listen.
+    /// Finds and starts the program with a configuration and a seed; the port on which it will listen.
     pub fn start(
-        arguments: &[String],
+        (config, seed): (&Path, u64),
         prepare: impl FnOnce(&mut Command) -> io::Result<()>,
     ) -> Result<(Self, u16), ProgramError> {
         let program = find_program()?;
         let refuse = ProgramError::start(program.display());
         let port = free_port().map_err(&refuse)?;
         let mut command = Command::new(&program);
-        command.args(arguments).arg("--remote-port").arg(port.to_string());
+        command.args(arguments(config, seed)).arg("--remote-port").arg(port.to_string());
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         if let Some(home) = program.ancestors().nth(2).filter(|home| home.ends_with(PACKAGE)) {
             command.env("SUMO_HOME", home);
@@ -85,9 +85,9 @@ impl Process {
         Ok((Self { child, errors }, port))
     }
 
-    /// Connects to a port as soon as something listens there. `this` is the process that will.
+    /// Connects to a port as soon as the program listens there.
     pub fn connect(
-        this: &mut Option<Self>,
+        &mut self,
         port: u16,
         network: &mut dyn Network,
     ) -> Result<TcpStream, ProgramError> {
@@ -100,15 +100,13 @@ impl Process {
                 }
                 Err(_) => std::thread::sleep(ATTEMPT),
             }
-            if let Some(this) = this.as_mut()
-                && this.is_gone()
-            {
-                return Err(this.ended("at its start"));
+            if self.is_gone() {
+                return Err(self.ended("at its start"));
             }
         }
     }
 
-    pub fn is_gone(&mut self) -> bool {
+    fn is_gone(&mut self) -> bool {
         self.child.try_wait().is_ok_and(|status| status.is_some())
     }
 
@@ -149,11 +147,11 @@ impl Drop for Process {
 }
 
 /// Arguments of the program.
-pub fn arguments(config: &Path, seed: u64, egos: u32) -> Vec<String> {
+fn arguments(config: &Path, seed: u64) -> Vec<String> {
     let (seed, step_s) = (seed % (1 << 31), STEP_MS as f64 * 1e-3);
     let words = format!(
         "--step-length {step_s} --seed {seed} --random false --collision.action none --no-step-log true \
-         --no-warnings true --duration-log.disable true --xml-validation never --num-clients {egos}"
+         --no-warnings true --duration-log.disable true --xml-validation never --num-clients 1"
     );
     let config = ["-c".to_owned(), config.display().to_string()];
     config.into_iter().chain(words.split(' ').map(str::to_owned)).collect()

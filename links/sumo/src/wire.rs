@@ -1,11 +1,31 @@
 //! TraCI's bytes: commands out, answers in. Numbers are big-endian; a text is its length and its bytes.
 
+use std::io::{self, ErrorKind, Read, Write};
+
 use crate::ProgramError;
 
-/// Longest answer, bytes: the vehicles around the ego take a few thousand.
-pub const MOST_BYTES: usize = 64 << 20;
+/// Longest message, bytes: the vehicles around the ego take a few thousand.
+const MOST_BYTES: usize = 64 << 20;
 /// Deepest nesting of a compound value.
 const MOST_DEPTH: u32 = 8;
+
+/// The next message of a stream.
+///
+/// # Errors
+/// `InvalidData` for a length that no message has.
+pub fn read_message(stream: &mut impl Read) -> io::Result<Vec<u8>> {
+    let mut head = [0; 4];
+    stream.read_exact(&mut head)?;
+    let length = usize::try_from(i32::from_be_bytes(head)).ok();
+    let length = length.and_then(|length| length.checked_sub(4)).filter(|n| *n <= MOST_BYTES);
+    let mut body = vec![0; length.ok_or(ErrorKind::InvalidData)?];
+    stream.read_exact(&mut body).map(|()| body)
+}
+
+/// Writes a message of commands or answers.
+pub fn write_message(stream: &mut impl Write, body: &[u8]) -> io::Result<()> {
+    stream.write_all(&[&(body.len() as i32 + 4).to_be_bytes(), body].concat())
+}
 
 /// A value of an answer.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,65 +110,75 @@ impl Body {
 /// An answer that is being read.
 pub struct Answer<'a>(pub &'a [u8]);
 
-type Read<T> = Result<T, ProgramError>;
+type Done<T> = Result<T, ProgramError>;
 
 impl<'a> Answer<'a> {
-    fn take(&mut self, count: usize) -> Read<&'a [u8]> {
+    fn take(&mut self, count: usize) -> Done<&'a [u8]> {
         let taken = self.0.split_at_checked(count);
         let (taken, rest) = taken.ok_or_else(|| ProgramError::nonsense("it ends too early"))?;
         self.0 = rest;
         Ok(taken)
     }
 
-    fn array<const N: usize>(&mut self) -> Read<[u8; N]> {
+    fn array<const N: usize>(&mut self) -> Done<[u8; N]> {
         Ok(self.take(N)?.try_into().expect("it has this length"))
     }
 
-    pub fn byte(&mut self) -> Read<u8> {
+    pub fn byte(&mut self) -> Done<u8> {
         Ok(self.array::<1>()?[0])
     }
 
-    pub fn whole(&mut self) -> Read<i32> {
+    pub fn whole(&mut self) -> Done<i32> {
         Ok(i32::from_be_bytes(self.array()?))
     }
 
     /// A count of things that follow, each of at least one byte.
-    pub fn count(&mut self) -> Read<usize> {
+    pub fn count(&mut self) -> Done<usize> {
         let count = self.whole()?;
         let count = usize::try_from(count).ok().filter(|count| *count <= self.0.len());
         count.ok_or_else(|| ProgramError::nonsense("a count beyond its end"))
     }
 
-    pub fn number(&mut self) -> Read<f64> {
+    pub fn number(&mut self) -> Done<f64> {
         Ok(f64::from_be_bytes(self.array()?))
     }
 
-    pub fn text(&mut self) -> Read<String> {
+    pub fn text(&mut self) -> Done<String> {
         let length = self.count()?;
         Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
     }
 
-    /// Skips the length of a command.
-    pub fn length(&mut self) -> Read<()> {
+    /// The id of a command, behind its length.
+    pub fn command(&mut self) -> Done<u8> {
         if self.byte()? == 0 {
             self.whole()?;
         }
-        Ok(())
+        self.byte()
+    }
+
+    /// The next command of a message: its id, its body, and all of it.
+    pub fn next_command(&mut self) -> Done<(u8, Answer<'a>, &'a [u8])> {
+        let whole = self.0;
+        let short = usize::from(self.byte()?);
+        let length = if short > 0 { short } else { self.whole()?.max(0) as usize };
+        self.0 = whole;
+        let whole = self.take(length)?;
+        let mut body = Answer(whole);
+        Ok((body.command()?, body, whole))
     }
 
     /// The status of a command: its id, and its words if it was refused.
-    pub fn status(&mut self) -> Read<(u8, Option<String>)> {
-        self.length()?;
-        let (id, result, words) = (self.byte()?, self.byte()?, self.text()?);
+    pub fn status(&mut self) -> Done<(u8, Option<String>)> {
+        let (id, result, words) = (self.command()?, self.byte()?, self.text()?);
         Ok((id, (result != 0).then_some(words)))
     }
 
     /// A value behind its type.
-    pub fn value(&mut self) -> Read<Value> {
+    pub fn value(&mut self) -> Done<Value> {
         self.nested(0)
     }
 
-    fn nested(&mut self, depth: u32) -> Read<Value> {
+    fn nested(&mut self, depth: u32) -> Done<Value> {
         Ok(match self.byte()? {
             0x01 => Value::Point([self.number()?, self.number()?]),
             0x03 => {
@@ -162,12 +192,12 @@ impl<'a> Answer<'a> {
             0x0c => Value::Text(self.text()?),
             0x0e => {
                 let count = self.count()?;
-                Value::Texts((0..count).map(|_| self.text()).collect::<Read<_>>()?)
+                Value::Texts((0..count).map(|_| self.text()).collect::<Done<_>>()?)
             }
             0x0f if depth < MOST_DEPTH => {
                 let count = self.count()?;
                 let parts = (0..count).map(|_| self.nested(depth + 1));
-                Value::Compound(parts.collect::<Read<_>>()?)
+                Value::Compound(parts.collect::<Done<_>>()?)
             }
             _ => return Err(ProgramError::nonsense("a value of an unknown type")),
         })

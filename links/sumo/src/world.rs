@@ -18,7 +18,7 @@ use road::{Axis, Pose};
 
 use crate::client::{Client, State, Vehicle};
 use crate::lights::{Interval, Plan};
-use crate::process::{Network, Process, arguments};
+use crate::process::Network;
 use crate::shared::Seat;
 use crate::{ProgramError, RADIUS_M, Route, STEP_MS};
 
@@ -147,18 +147,11 @@ impl World {
         route: &Route,
         network: &mut dyn Network,
     ) -> Result<Self, ProgramError> {
-        let Settings { config, seed, shared, .. } = settings;
-        let (mut process, port) = match shared {
-            Some(seat) => (None, seat.port),
-            None => {
-                let (process, port) =
-                    Process::start(&arguments(config, *seed, 1), |c| network.prepare(c))?;
-                (Some(process), port)
-            }
+        let Settings { config, seed, shared, deadline_s, .. } = settings;
+        let mut client = match shared {
+            Some(seat) => seat.take(*deadline_s)?,
+            None => Client::start((config, *seed), *deadline_s, network)?,
         };
-        let stream = Process::connect(&mut process, port, network)?;
-        let mut client = Client::open(process, stream, settings.deadline_s)?;
-        shared.map_or(Ok(()), |seat| client.order(seat.number))?;
         let from_s = client.time_s()?;
         let mut time_s = from_s;
         while time_s < from_s + settings.begin_s {

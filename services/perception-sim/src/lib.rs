@@ -46,3 +46,4 @@ pub mod vehicle;
 mod weaving;
 
 pub use service::run;
+pub use sumo_world::Alone;

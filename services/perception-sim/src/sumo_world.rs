@@ -52,7 +52,7 @@ impl SumoWorld {
             shared: Seat::given(),
             waits: runtime.clock().mode() == Mode::Lockstep,
         };
-        let world = World::start(&settings, route, &mut Alone(None)).map_err(failed)?;
+        let world = World::start(&settings, route, &mut Alone::default()).map_err(failed)?;
         let lane = |signal: &scenario::v2x::Signal| Lane {
             intersection_id: signal.intersection_id.value().into(),
             signal_group: signal.signal_group.value().into(),
@@ -150,7 +150,8 @@ fn vehicle(body: &Body) -> Vehicle {
 }
 
 /// SUMO listens on all interfaces. So it gets a network of its own where that is granted.
-struct Alone(Option<OwnNetwork>);
+#[derive(Debug, Default)]
+pub struct Alone(Option<OwnNetwork>);
 
 impl Network for Alone {
     fn prepare(&mut self, command: &mut Command) -> io::Result<()> {
@@ -162,9 +163,7 @@ impl Network for Alone {
 
     fn connect(&mut self, port: u16) -> io::Result<TcpStream> {
         static NOTE: Once = Once::new();
-        // A SUMO that several egos share was started elsewhere.
-        let Some(network) = &mut self.0 else { return TcpStream::connect(("127.0.0.1", port)) };
-        if let Some(stream) = network.connect(port)? {
+        if let Some(stream) = self.0.as_mut().map(|own| own.connect(port)).transpose()?.flatten() {
             return Ok(stream);
         }
         let stream = TcpStream::connect(("127.0.0.1", port))?;
