@@ -10,6 +10,7 @@ use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
 use runtime::{Mode, RuntimeError, Sealing, die_with_this_thread};
 use scenario::Scenario;
+use std::os::unix::process::ExitStatusExt;
 use std::process::ExitCode;
 use std::time::Instant;
 use supervise::report::Outcome;
@@ -183,7 +184,14 @@ fn run_egos(scenario: &Scenario, arguments: &RunArguments, egos: u32) -> Result<
     let sumo = sumo::Shared::start(program, deadline_s.value(), &mut Alone::default());
     let done = sumo.and_then(|sumo| sumo.drive((1..=egos).map(run)));
     let done = done.map_err(|error| RuntimeError::Program(Box::new(error)))?;
-    done.iter().try_for_each(|output| print::out(&String::from_utf8_lossy(&output.stdout)))?;
-    let statuses = done.iter().map(|output| output.status.code().unwrap_or(1));
-    Ok(ExitCode::from(statuses.max().unwrap_or(0) as u8))
+    let mut worst = 0;
+    for (output, number) in done.iter().zip(1..) {
+        print::out(&String::from_utf8_lossy(&output.stdout))?;
+        if let Some(signal) = output.status.signal() {
+            let ended = format!("signal {signal} ended the run of ego {number}");
+            print::note(&format!("note: {ended}; the others went on"));
+        }
+        worst = worst.max(output.status.code().unwrap_or(1));
+    }
+    Ok(ExitCode::from(worst as u8))
 }
