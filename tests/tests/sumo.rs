@@ -146,7 +146,7 @@ fn run_of_ego(words: &str, number: u32) -> Option<i32> {
         is_seated && line.contains("\0run\0") && line.contains(words)
     };
     let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
-    entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok()).find(is_its)
+    entries.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok()).find(is_its)
 }
 
 fn a_killed_ego_leaves_the_net_to_the_other() {
