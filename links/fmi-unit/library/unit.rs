@@ -112,6 +112,17 @@ fn with(instance: *mut Instance, act: impl FnOnce(&mut Instance) -> io::Result<(
     }
 }
 
+/// Visits the values of variables, each with its place in the master's list of `count` numbers.
+fn each(instance: *mut Instance, of: *const u32, count: usize, visit: impl Fn(&mut f64, usize)) -> c_int {
+    with(instance, |own| {
+        (0..count).try_for_each(|k| {
+            // SAFETY: the list has `count` entries.
+            let value = own.values.get_mut(unsafe { *of.add(k) } as usize);
+            value.map(|value| visit(value, k)).ok_or_else(|| io::Error::other("no such variable"))
+        })
+    })
+}
+
 /// The path of a `file:` address.
 fn path_of(address: &str) -> PathBuf {
     let rest = address.strip_prefix("file:").unwrap_or(address);
@@ -174,24 +185,12 @@ functions! {
         })
     }
     fmi2SetReal(instance: *mut Instance, references: *const u32, count: usize, values: *const f64) -> c_int {
-        with(instance, |own| {
-            for k in 0..count {
-                // SAFETY: both lists have `count` entries.
-                let (reference, value) = unsafe { (*references.add(k) as usize, *values.add(k)) };
-                *own.values.get_mut(reference).ok_or_else(|| io::Error::other("no such variable"))? = value;
-            }
-            Ok(())
-        })
+        // SAFETY: the list has `count` entries.
+        each(instance, references, count, |own, k| *own = unsafe { *values.add(k) })
     }
     fmi2GetReal(instance: *mut Instance, references: *const u32, count: usize, values: *mut f64) -> c_int {
-        with(instance, |own| {
-            for k in 0..count {
-                // SAFETY: both lists have `count` entries.
-                let (reference, place) = unsafe { (*references.add(k) as usize, &mut *values.add(k)) };
-                *place = *own.values.get(reference).ok_or_else(|| io::Error::other("no such variable"))?;
-            }
-            Ok(())
-        })
+        // SAFETY: the list has `count` entries.
+        each(instance, references, count, |own, k| unsafe { *values.add(k) = *own })
     }
     fmi2DoStep(instance: *mut Instance, _time: f64, step_s: f64, _new: c_int) -> c_int {
         with(instance, |own| own.ask(2.0, step_s))

@@ -35,7 +35,7 @@ pub struct Variable {
     pub has_start: bool,
     pub kind: Kind,
     /// End of the names of the functions that set and get it.
-    pub suffix: &'static str,
+    pub suffix: String,
     /// Name of its unit of measure, and the unit; the unit is none when nothing defines the name.
     pub measure: Option<(String, Option<Measure>)>,
 }
@@ -55,26 +55,27 @@ pub struct Description {
     pub variables: Vec<Variable>,
 }
 
-/// Types of version 2 and 3: the element, the end of the functions' names, the bytes.
-const TYPES: [(&str, &str, Kind); 16] = [
-    ("Real", "Real", Kind::Float(8)),
-    ("Integer", "Integer", Kind::Signed(4)),
-    ("Boolean", "Boolean", Kind::Boolean(4)),
-    ("Enumeration", "Integer", Kind::Signed(4)),
-    ("Float64", "Float64", Kind::Float(8)),
-    ("Float32", "Float32", Kind::Float(4)),
-    ("Int8", "Int8", Kind::Signed(1)),
-    ("UInt8", "UInt8", Kind::Unsigned(1)),
-    ("Int16", "Int16", Kind::Signed(2)),
-    ("UInt16", "UInt16", Kind::Unsigned(2)),
-    ("Int32", "Int32", Kind::Signed(4)),
-    ("UInt32", "UInt32", Kind::Unsigned(4)),
-    ("Int64", "Int64", Kind::Signed(8)),
-    ("UInt64", "UInt64", Kind::Unsigned(8)),
-    // Version 3 has these two in other bytes than version 2.
-    ("Boolean3", "Boolean", Kind::Boolean(1)),
-    ("Enumeration3", "Int64", Kind::Signed(8)),
-];
+/// Type of an element: the end of its functions' names, and its bytes. Version 3 has the bits in the name.
+fn type_of(version: Version, name: &str) -> Option<(&str, Kind)> {
+    match (version, name) {
+        (Version::Two, "Real") => Some((name, Kind::Float(8))),
+        (Version::Two, "Integer" | "Enumeration") => Some(("Integer", Kind::Signed(4))),
+        (Version::Two, "Boolean") => Some((name, Kind::Boolean(4))),
+        (Version::Two, _) => None,
+        (Version::Three, "Boolean") => Some((name, Kind::Boolean(1))),
+        (Version::Three, "Enumeration") => Some(("Int64", Kind::Signed(8))),
+        (Version::Three, _) => {
+            let (word, bits) = name.split_at(name.find(|c: char| c.is_ascii_digit())?);
+            let bytes = [8, 16, 32, 64].into_iter().find(|known| bits == known.to_string())? / 8;
+            match word {
+                "Float" if bytes >= 4 => Some((name, Kind::Float(bytes))),
+                "Int" => Some((name, Kind::Signed(bytes))),
+                "UInt" => Some((name, Kind::Unsigned(bytes))),
+                _ => None,
+            }
+        }
+    }
+}
 
 impl Description {
     /// Reads the file's text; `unit` names the unit in errors.
@@ -166,15 +167,7 @@ fn variables(root: &Element, version: Version, file: &str) -> Result<Vec<Variabl
             Version::Three => Some(element),
         };
         let Some(typed) = typed else { continue };
-        let is_of_three = version == Version::Three;
-        let kind = match typed.name.as_str() {
-            "Boolean" if is_of_three => "Boolean3",
-            "Enumeration" if is_of_three => "Enumeration3",
-            other => other,
-        };
-        let Some((_, suffix, kind)) = TYPES.iter().find(|(name, ..)| *name == kind) else {
-            continue;
-        };
+        let Some((suffix, kind)) = type_of(version, &typed.name) else { continue };
         if element.child("Dimension").is_some() {
             continue;
         }
@@ -191,8 +184,8 @@ fn variables(root: &Element, version: Version, file: &str) -> Result<Vec<Variabl
             causality: causality.to_owned(),
             has_start: matches!(causality, "input" | "parameter")
                 || is("initial", "exact") && !is("variability", "constant"),
-            kind: *kind,
-            suffix,
+            kind,
+            suffix: suffix.to_owned(),
             measure: names.measure(typed),
         });
     }

@@ -5,73 +5,16 @@
 //!                                   └─► viewer
 //! ```
 
-use crate::protocol::{self, Subject};
-use crate::viewer;
-use std::collections::{BTreeMap, VecDeque};
+use crate::protocol::Subject;
+use crate::viewer::{self, Hub, lock, report};
+use std::collections::BTreeMap;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// Most viewers at a time, those that only connect included.
 const MOST_VIEWERS: usize = 16;
-/// Most bytes of messages that wait for viewers; beyond them the oldest are lost.
-const MOST_WAITING: usize = 16 << 20;
-
-/// A message on its way to viewers: its channel, its time in ns since 1970, its payload.
-type Sent = (u16, u64, Vec<u8>);
-
-/// All that the threads of a server share.
-#[derive(Debug, Default)]
-pub(crate) struct Hub {
-    sent: VecDeque<Sent>,
-    bytes: usize,
-    /// Messages that were dropped from the front of `sent`.
-    dropped: u64,
-    /// Viewers by their numbers: the channel of each subscription, by the number that the viewer gave it.
-    pub(crate) viewers: BTreeMap<u64, BTreeMap<u32, u16>>,
-    newest: u64,
-    /// Time of the newest message, ns since 1970, in whatever channel.
-    pub(crate) unix_ns: u64,
-    /// The connections end with these words, when all else is written.
-    pub(crate) end: Option<String>,
-}
-
-pub(crate) fn lock(hub: &Mutex<Hub>) -> MutexGuard<'_, Hub> {
-    hub.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Hub {
-    fn put(&mut self, message: Sent) {
-        self.bytes += size_of::<Sent>() + message.2.len();
-        self.sent.push_back(message);
-        while self.bytes > MOST_WAITING
-            && let Some((_, _, payload)) = self.sent.pop_front()
-        {
-            self.bytes -= size_of::<Sent>() + payload.len();
-            self.dropped += 1;
-        }
-    }
-
-    /// Number of the message that is sent next.
-    pub(crate) fn next(&self) -> u64 {
-        self.dropped + self.sent.len() as u64
-    }
-
-    /// Message number `*next` in the viewer's words, once for each of its subscriptions, or `None` if it was not sent
-    /// yet. `*next` moves on. True beside the words if messages before it are lost.
-    pub(crate) fn take(&self, viewer: u64, next: &mut u64) -> Option<(bool, Vec<Vec<u8>>)> {
-        let is_late = *next < self.dropped;
-        *next = self.dropped.max(*next);
-        let place = usize::try_from(*next - self.dropped).ok()?;
-        let (channel, unix_ns, payload) = self.sent.get(place)?;
-        *next += 1;
-        let subscribed = self.viewers.get(&viewer)?.iter().filter(|(_, of)| *of == channel);
-        let words = subscribed.map(|(id, _)| protocol::message_data(*id, *unix_ns, payload));
-        Some((is_late, words.collect()))
-    }
-}
 
 /// A server on 127.0.0.1. Viewers come and go; sending never waits for one.
 #[derive(Debug)]
@@ -148,28 +91,5 @@ fn welcome(stream: TcpStream, address: SocketAddr, hub: &Arc<Mutex<Hub>>, subjec
     if let Err(why) = std::thread::Builder::new().name("viewer".into()).spawn(serve) {
         lock(hub).viewers.remove(&id);
         report(address, "refused", &why.to_string());
-    }
-}
-
-/// Writes a line about a viewer, unless viewers have given reason for many.
-pub(crate) fn report(address: SocketAddr, what: &str, why: &str) {
-    const MOST: usize = 10;
-    static LINES: AtomicUsize = AtomicUsize::new(0);
-    match LINES.fetch_add(1, Ordering::Relaxed) {
-        line if line < MOST => tracing::warn!("viewer {address} was {what}: {why}"),
-        MOST => tracing::warn!("no more lines about viewers"),
-        _ => {}
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn messages_without_content_fill_the_queue_no_further_than_others_do() {
-        let mut hub = Hub::default();
-        (0..1_000_000).for_each(|unix_ns| hub.put((0, unix_ns, Vec::new())));
-        assert!(hub.sent.len() < 500_000 && hub.next() == 1_000_000, "{}", hub.sent.len());
     }
 }

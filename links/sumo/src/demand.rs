@@ -49,20 +49,15 @@ fn listed(names: &[impl AsRef<str>]) -> String {
 
 /// The two edges of `from=EDGE,to=EDGE`, with those of `via=EDGE` between them.
 fn ends(ego: &str) -> Option<Vec<String>> {
-    let mut stops = Vec::new();
-    for (part, place) in ego.split(',').zip(0..) {
-        let (key, edge) = part.split_once('=')?;
-        let fits = match key.trim() {
-            "from" => place == 0,
-            "via" | "to" => place > 0,
-            _ => false,
-        };
-        if !fits {
-            return None;
-        }
-        stops.push(edge.trim().to_owned());
-    }
-    (stops.len() > 1).then_some(stops)
+    let parts: Option<Vec<_>> = ego.split(',').map(|part| part.split_once('=')).collect();
+    let parts = parts.filter(|parts| parts.len() > 1)?;
+    let fits = |(place, (key, _)): (usize, &(&str, &str))| match key.trim() {
+        "from" => place == 0,
+        "via" | "to" => place > 0,
+        _ => false,
+    };
+    let stops = parts.iter().map(|(_, edge)| edge.trim().to_owned());
+    parts.iter().enumerate().all(fits).then(|| stops.collect())
 }
 
 fn of_element(element: &Element, source: &Source, net: &Net) -> Result<Vec<String>, ReadError> {

@@ -18,6 +18,10 @@ const END: Duration = Duration::from_secs(1);
 /// Lines of its errors that are kept.
 const KEPT_LINES: usize = 40;
 
+/// Options of all runs: quiet, repeatable, without a reaction to collisions.
+const OPTIONS: &str = "--random false --collision.action none --no-step-log true --no-warnings true \
+    --duration-log.disable true --xml-validation never --num-clients 1";
+
 /// How a process is started on this machine, and how it is reached.
 pub trait Network {
     /// Prepares the command: what the process inherits, and when it dies.
@@ -74,7 +78,10 @@ impl Process {
         let refuse = ProgramError::start(program.display());
         let port = free_port().map_err(&refuse)?;
         let mut command = Command::new(&program);
-        command.args(arguments(config, seed)).arg("--remote-port").arg(port.to_string());
+        command.arg("-c").arg(config).args(OPTIONS.split_whitespace());
+        command.args(["--step-length", &(STEP_MS as f64 * 1e-3).to_string()]);
+        command.args(["--seed", &(seed % (1 << 31)).to_string()]);
+        command.args(["--remote-port", &port.to_string()]);
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         if let Some(home) = program.ancestors().nth(2).filter(|home| home.ends_with(PACKAGE)) {
             command.env("SUMO_HOME", home);
@@ -144,17 +151,6 @@ impl Drop for Process {
         self.kill();
         let _ = self.child.wait();
     }
-}
-
-/// Arguments of the program.
-fn arguments(config: &Path, seed: u64) -> Vec<String> {
-    let (seed, step_s) = (seed % (1 << 31), STEP_MS as f64 * 1e-3);
-    let words = format!(
-        "--step-length {step_s} --seed {seed} --random false --collision.action none --no-step-log true \
-         --no-warnings true --duration-log.disable true --xml-validation never --num-clients 1"
-    );
-    let config = ["-c".to_owned(), config.display().to_string()];
-    config.into_iter().chain(words.split(' ').map(str::to_owned)).collect()
 }
 
 /// A port that nothing uses at the moment.

@@ -27,7 +27,6 @@ pub struct Metadata {
     pub controller: String,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// The run's clock.
     pub mode: Mode,
     /// Run time 0 in ns since 1970, to place the run in the calendar. In lockstep it is [`SIMULATED_START_NS`], so
     /// that the same run gives the same file.

@@ -48,7 +48,6 @@ pub struct Point {
     pub lead_speed_mps: Option<f64>,
 }
 
-/// A fault or a degradation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveEvent {
     pub t_s: f64,
@@ -56,7 +55,6 @@ pub struct LiveEvent {
     pub what: String,
 }
 
-/// Degradation below the full level.
 struct Degradation {
     level: Level,
     from_s: f64,

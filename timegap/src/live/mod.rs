@@ -20,7 +20,6 @@ use supervise::Error;
 
 /// Most frames that wait for the view.
 const BACKLOG: usize = 64;
-/// Time to restore the terminal.
 const TERMINAL_PATIENCE: Duration = Duration::from_secs(1);
 
 #[derive(Clone, Debug, Default, Args)]

@@ -130,7 +130,6 @@ struct Column {
     names: Option<Names>,
 }
 
-/// Names of numbers: fixed, or the law's.
 enum Names {
     Fixed(&'static Enumeration),
     OfLaw(Vec<String>),

@@ -127,7 +127,6 @@ fn text(name: &str) -> String {
     name.chars().map(|c| if matches!(c, ',' | '"') || c.is_control() { '_' } else { c }).collect()
 }
 
-/// A column with its first cell.
 fn begun(item: &Item<'_>) -> Cells {
     let mut cells = match item {
         Item::Value(Value::Float(_)) => Cells::Number(Vec::new()),

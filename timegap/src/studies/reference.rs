@@ -115,7 +115,6 @@ fn of_shape(shape: &Shape) -> Value {
     }
 }
 
-/// `docs/reference-scenario.md`.
 pub fn scenario_page() -> String {
     let mut page = Page {
         text: "# Scenario keys\n\nMade by `timegap print reference scenario` from the types that read the file; a test \
@@ -266,7 +265,6 @@ fn together(kinds: &[(String, Vec<Key>)]) -> Vec<Key> {
     std::iter::once(kind).chain(all.into_iter().map(of_some)).collect()
 }
 
-/// A type in a few words.
 fn kind(shape: &Shape) -> String {
     match shape {
         Shape::Boolean => "boolean".into(),
@@ -289,7 +287,6 @@ fn kind(shape: &Shape) -> String {
     }
 }
 
-/// `docs/reference-messages.md`.
 pub fn messages_page() -> String {
     let mut page = format!(
         "# Messages\n\nMade by `timegap print reference messages` from the structs themselves; a test \
@@ -340,7 +337,6 @@ fn figure(Figure { name, meaning, .. }: &Figure) -> String {
     if meaning.is_empty() { format!("`{name}`") } else { format!("`{name}`: {meaning}") }
 }
 
-/// A link to a message on the page.
 fn link(layout: &Layout) -> String {
     format!("[{}](#{})", layout.name, layout.name.to_lowercase())
 }

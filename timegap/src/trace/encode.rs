@@ -80,7 +80,6 @@ fn packet() -> TracePacket {
     TracePacket { trusted_packet_sequence_id: Some(1), ..TracePacket::default() }
 }
 
-/// Relates run time and wall clock.
 fn first_packet(frame: &Frame) -> TracePacket {
     let clock = |id, timestamp: i64| Clock {
         clock_id: Some(id),
