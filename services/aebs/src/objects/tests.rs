@@ -330,9 +330,9 @@ mod in_curves {
     #[test]
     fn a_queue_beside_a_curve_ahead_is_beside_the_corridor_and_one_in_the_lane_is_in_it() {
         assert!(in_lane_before_a_curve(-3.5).is_empty());
-        // A corner that the car before hides shifts the middle by up to half of what is hidden.
+        // Here the echo of a hidden car is still its middle. What is hidden shifts it by half a width at most.
         let in_lane = in_lane_before_a_curve(0.0);
-        assert!(in_lane.len() == 8 && in_lane.iter().all(|off_m| off_m.abs() < 0.5), "{in_lane:?}");
+        assert!(in_lane.len() == 8 && in_lane.iter().all(|off_m| off_m.abs() < 0.9), "{in_lane:?}");
     }
 
     #[test]
