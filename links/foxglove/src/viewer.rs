@@ -1,4 +1,4 @@
-//! What was sent, and one viewer: a thread that hands it on, and answers what the viewer asks for, in turns.
+//! The queue of messages that all viewers share, and one viewer: a thread that hands them on and answers requests.
 
 use crate::guard::{self, PATIENCE, Refusal};
 use crate::protocol::{self, Asked, SERVICE, SUBPROTOCOLS, Subject, TIME};

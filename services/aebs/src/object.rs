@@ -58,7 +58,7 @@ pub struct Object {
 pub(crate) struct Shadow {
     /// The hidden side: 1 left, -1 right.
     pub(crate) side: f64,
-    /// Where the shadow ends, m left of the way.
+    /// Its edge, m left of the way.
     pub(crate) edge_m: f64,
 }
 
