@@ -72,6 +72,8 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     };
     let outcome = supervisor.run(watch);
     let exits = supervisor.roster.end_all(EXIT_GRACE);
+    // A run that did not start has them still: one that is about to begin would make the root anew.
+    (supervisor.recording, supervisor.bridge) = (None, None);
     // The threads that send events end.
     let janitor = supervisor.roster.dissolve();
     signals.close();
