@@ -144,7 +144,7 @@ fn a_file_that_is_not_a_baseline_is_refused_before_anything_runs() {
 fn nothing_outlives_a_bench_that_is_killed_or_interrupted() {
     for (signal, status) in [(Signal::KILL, None), (Signal::INT, Some(130))] {
         let corner = Corner::new(PROGRAM);
-        let child = corner.start(&["bench", "--quick", "--seconds", "30", "--out", "out"]);
+        let child = corner.start(&["bench", "--quick", "--seconds", "5", "--out", "out"]);
         let _ = corner.wait_for_process("timegap-bench");
         let roots = corner.roots();
         let pid = Pid::from_raw(i32::try_from(child.id()).expect("fits")).expect("a process id");

@@ -190,12 +190,11 @@ impl Baseline {
         };
         let (mut paired, mut broken) = (Vec::new(), Vec::new());
         for sample in now {
-            let is_same =
-                |before: &&Sample| (&before.of, &before.figure) == (&sample.of, &sample.figure);
+            let Sample { of, figure, .. } = sample;
+            let is_same = |before: &&Sample| (&before.of, &before.figure) == (of, figure);
             let Some(before) = self.samples.iter().find(is_same) else { continue };
             let [own, other] = [sample.values.len(), before.values.len()];
             if own != other {
-                let Sample { of, figure, .. } = sample;
                 return Err(refuse(format!("{figure} of {of} has {other} values, and now {own}")));
             }
             let both = sample.values.iter().zip(&before.values);
@@ -206,7 +205,6 @@ impl Baseline {
             let is_worse = |[now, was]: &[f64; 2]| sign * (now - was) > sample.shown;
             if sample.is_exact {
                 let worse = pairs.iter().filter(|(_, pair)| is_worse(pair));
-                let Sample { of, figure, .. } = sample;
                 broken.extend(worse.map(|(n, [now, was])| {
                     format!("{of}, {}: {figure} is {now}, was {was}", n + 1)
                 }));
@@ -217,19 +215,19 @@ impl Baseline {
             }
         }
         let family = paired.len();
-        let Some(first) = self.samples.first().filter(|_| family == 0) else {
-            let change = |(sample, pairs): (&Sample, Pairs)| Change {
-                of: sample.of.clone(),
-                figure: sample.figure.clone(),
-                judged: pairs.judged(family),
-            };
-            let differences: Vec<Change> = paired.into_iter().map(change).collect();
-            let few = differences.iter().any(|change| change.judged.real.is_none());
-            let baseline = self.file.display().to_string();
-            let rule = rule("the baseline, pair by pair", "all figures", family, few);
-            return Ok(Against { baseline, broken, differences, rule });
+        if let (0, Some(first)) = (family, self.samples.first()) {
+            return Err(refuse(format!("its first figure is {} of {}", first.figure, first.of)));
+        }
+        let change = |(sample, pairs): (&Sample, Pairs)| Change {
+            of: sample.of.clone(),
+            figure: sample.figure.clone(),
+            judged: pairs.judged(family),
         };
-        Err(refuse(format!("its first figure is {} of {}", first.figure, first.of)))
+        let differences: Vec<Change> = paired.into_iter().map(change).collect();
+        let few = differences.iter().any(|change| change.judged.real.is_none());
+        let baseline = self.file.display().to_string();
+        let rule = rule("the baseline, pair by pair", "all figures", family, few);
+        Ok(Against { baseline, broken, differences, rule })
     }
 }
 
@@ -246,7 +244,11 @@ impl Against {
     /// The result with what got worse: it alone decides verdict and status.
     pub fn onto(&self, mut document: Document) -> Document {
         let worse: Vec<&Change> = self.worse().collect();
-        let words = format!("against {}: {} figures are worse", self.baseline, worse.len());
+        let mut words = format!("against {}: {} figures are worse", self.baseline, worse.len());
+        let few = self.differences.iter().filter(|change| change.judged.real.is_none()).count();
+        if few > 0 {
+            words += &format!(", {few} have too few pairs to be judged");
+        }
         let found = worse.iter().map(|change| {
             let Change { of, figure, judged } = change;
             format!("{of}: {figure} is worse by {:.3}, was {:.3}", judged.mean.abs(), judged.before)
@@ -312,6 +314,8 @@ mod tests {
         let against = judge(sample(&[1.0, 1.0, 0.0], true), &[1.0; 3]).expect("the same runs");
         assert_eq!(against.broken, ["mine, 3: gap is 0, was 1"]);
         assert!(!against.holds() && against.differences[0].judged.real.is_none());
+        let document = against.onto(Document::new("x", "X", &()).verdict(true, "fine"));
+        assert!(document.console(100).contains("1 have too few pairs to be judged"));
     }
 
     #[test]

@@ -52,13 +52,6 @@ pub struct Difference {
     family: usize,
 }
 
-impl Difference {
-    /// True if the difference is called real.
-    pub fn is_real(&self) -> bool {
-        self.judged.is_real()
-    }
-}
-
 /// Rule for a real difference, in words; `None` without differences.
 pub fn rule(differences: &[Difference]) -> Option<String> {
     let largest = differences.iter().map(|difference| difference.family).max()?;
@@ -181,7 +174,10 @@ mod tests {
         // The seeds spread by 3 m, which the pairs do not see.
         let all = differences(&rows(12, |seed| 0.2 + 0.01 * (seed % 3) as f64));
         let difference = gap(&all);
-        assert!(difference.is_real() && difference.judged.better == Some(false), "{difference:?}");
+        assert!(
+            difference.judged.is_real() && difference.judged.better == Some(false),
+            "{difference:?}"
+        );
         assert!(
             difference.judged.low.expect("12 pairs") < difference.judged.mean,
             "{difference:?}"
@@ -191,7 +187,10 @@ mod tests {
             (gap(&some).judged.real, gap(&some).judged.verdict()),
             (Some(false), "not real")
         );
-        assert!(all.iter().filter(|other| other.is_real()).count() == 1, "the rest is equal");
+        assert!(
+            all.iter().filter(|other| other.judged.is_real()).count() == 1,
+            "the rest is equal"
+        );
     }
 
     #[test]
@@ -202,7 +201,7 @@ mod tests {
         let least = statistics::least_pairs(0.05 / few.len() as f64).expect("a number has one");
         assert!(words.contains(&format!("Fewer than {least} pairs are too few")), "{words}");
         let enough = differences(&rows(least as u64, |_| 1.0));
-        assert!(gap(&enough).is_real());
+        assert!(gap(&enough).judged.is_real());
         assert!(differences(&rows(1, |_| 1.0)).is_empty() && rule(&[]).is_none());
     }
 

@@ -114,7 +114,7 @@ pub fn document(
         backup(&rows)
     );
     if !differences.is_empty() {
-        let real = differences.iter().filter(|difference| difference.is_real()).count();
+        let real = differences.iter().filter(|difference| difference.judged.is_real()).count();
         verdict += &format!("; {real} of {} differences are real", differences.len());
     }
     if let Some(against) = &against {
@@ -234,7 +234,8 @@ pub fn difference_tables(all: &[Difference]) -> Vec<Table> {
     let Some(reference) = all.first().map(|difference| &difference.reference) else {
         return Vec::new();
     };
-    let real: Vec<&Difference> = all.iter().filter(|difference| difference.is_real()).collect();
+    let real: Vec<&Difference> =
+        all.iter().filter(|difference| difference.judged.is_real()).collect();
     let real = Table::new(&format!("Real differences from {reference}"), &columns(), real);
     let all = Table::new(&format!("All differences from {reference}"), &columns(), all);
     vec![real.for_terminals().without_cases(), all.for_pages().without_cases()]
