@@ -112,7 +112,7 @@ impl Perception {
             detections: 0,
             detections_left_out: 0,
             list: TrackList::default(),
-            ego_speed: EgoSpeed::default(),
+            ego_speed: EgoSpeed::new(numbers),
             known: Ego::default(),
         };
         match road {

@@ -75,7 +75,6 @@ impl Abreast {
     /// Place of the body nearest to the ego's axis if there are several, m; `None` while it is unknown. The mean of
     /// two is between them. So one is at its rightmost place or beyond, the other at its leftmost. `others` says on
     /// which sides (right, left) the body is one that has a track of its own.
-    #[must_use]
     pub fn nearest_of_several_m(&self, others: (bool, bool), numbers: &Numbers) -> Option<f64> {
         if self.evidence >= 0.0 || self.scans < numbers.enough_scans {
             return None;
@@ -96,7 +95,6 @@ impl Abreast {
     }
 
     /// It is known to be one body.
-    #[must_use]
     pub fn is_one(&self) -> bool {
         self.one
     }

@@ -32,19 +32,14 @@ pub struct Point {
     pub direction: (f64, f64),
     /// Distance to the left of the radar in those axes, m. A vehicle there shows its right side if it is positive.
     pub aspect_m: f64,
-    /// Range rate, m/s.
     pub range_rate_mps: f64,
-    /// Variance of the range, m².
     pub range_variance: f64,
-    /// Variance of the range rate, m²/s².
     pub range_rate_variance: f64,
-    /// Variance of the lateral position, m².
     pub lateral_variance: f64,
     /// Speed over ground along the line of sight, m/s.
     pub ground_speed_mps: f64,
     /// Half of the width of the rear whose middle it is, m; 0 of an echo.
     pub half_width_m: f64,
-    /// Index of the detection.
     pub detection: usize,
     /// Its vehicle, if the radar knows it.
     pub vehicle: Option<usize>,
@@ -69,7 +64,6 @@ pub struct Reading {
 
 impl Reading {
     /// A detection's direction, place and signal-to-noise ratio.
-    #[must_use]
     pub fn new(detection: &Detection) -> Self {
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
@@ -79,7 +73,6 @@ impl Reading {
 
 impl Point {
     /// The detection number `index` on a course.
-    #[must_use]
     pub fn new(
         index: usize,
         (detection, reading): (&Detection, &Reading),
@@ -126,7 +119,6 @@ impl Point {
     }
 
     /// Speed relative to the ego along the road, for a lateral speed, m/s.
-    #[must_use]
     pub fn relative_speed_mps(&self, lateral_mps: f64) -> f64 {
         let (cosine, sine) = self.direction;
         (self.range_rate_mps - lateral_mps * sine) / cosine.max(0.1)
@@ -136,7 +128,6 @@ impl Point {
 /// The outline that a track predicts, with its uncertainty.
 #[derive(Clone, Copy, Debug)]
 pub struct Outline {
-    /// Place of the track.
     pub place: usize,
     /// The vehicle that the radar knows it to be.
     pub vehicle: Option<usize>,
@@ -148,9 +139,7 @@ pub struct Outline {
     pub lateral_m: f64,
     /// The same in the axes of the course there, seen from the radar, m.
     pub aspect_m: f64,
-    /// Length, m.
     pub length_m: f64,
-    /// Half of the width, m.
     pub half_width_m: f64,
     /// Speed relative to the ego, m/s.
     pub relative_speed_mps: f64,
@@ -163,7 +152,6 @@ pub struct Outline {
 
 impl Outline {
     /// Distance of a detection from the outline, squared; `None` outside the gate.
-    #[must_use]
     pub fn distance(&self, point: &Point, gate: f64, numbers: &Numbers) -> Option<f64> {
         let position_gate = numbers.position_gate * numbers.position_gate;
         let body = numbers.body_sigma_m * numbers.body_sigma_m;
@@ -206,7 +194,6 @@ impl Outline {
     }
 
     /// A point is on the vehicle or close to it, however fast it moves.
-    #[must_use]
     pub fn covers(&self, point: &Point, numbers: &Numbers) -> bool {
         let gate = numbers.position_gate;
         let sigma_x = (self.variances[0] + point.range_variance).sqrt();

@@ -14,7 +14,6 @@ use super::numbers::Numbers;
 use super::sighting::Sighting;
 
 /// An echo moves over ground.
-#[must_use]
 pub fn moves(point: &Point, numbers: &Numbers) -> bool {
     let noise_mps = numbers.surely_sigma * point.range_rate_variance.sqrt();
     point.ground_speed_mps.abs() > numbers.standing_mps + noise_mps

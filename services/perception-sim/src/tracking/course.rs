@@ -26,7 +26,6 @@ const SPACING_M: f64 = 8.0;
 const AHEAD: Node =
     Node { x_m: 0.0, y_m: 0.0, cosine: 1.0, sine: 0.0, turn_rad: 0.0, curvature_perm: 0.0 };
 
-/// The road ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
     is_straight: bool,
@@ -43,7 +42,6 @@ pub struct Located {
     pub d_m: f64,
     /// Cosine and sine of the course's heading there, in the body's axes.
     pub tangent: (f64, f64),
-    /// Curvature there, 1/m.
     pub curvature_perm: f64,
 }
 
@@ -52,7 +50,6 @@ impl Course {
     pub const STRAIGHT: Self = Self { is_straight: true, heading_rad: 0.0, nodes: [AHEAD; NODES] };
 
     /// The course of a heading at the bumper, rad, and a curvature by the arc length, 1/m.
-    #[must_use]
     pub fn bent(heading_rad: f64, curvature_perm: impl Fn(f64) -> f64) -> Self {
         let mut course = Self { is_straight: false, heading_rad, ..Self::STRAIGHT };
         let (sine, cosine) = libm::sincos(heading_rad);
@@ -77,20 +74,16 @@ impl Course {
         course
     }
 
-    /// It is the straight course.
-    #[must_use]
     pub fn is_straight(&self) -> bool {
         self.is_straight
     }
 
     /// Heading at the bumper in the body's axes, rad.
-    #[must_use]
     pub fn heading_rad(&self) -> f64 {
         self.heading_rad
     }
 
     /// Curvature, 1/m, left positive.
-    #[must_use]
     pub fn curvature_perm(&self, sigma_m: f64) -> f64 {
         let place = (sigma_m / SPACING_M).clamp(0.0, (NODES - 1) as f64);
         let index = (place as usize).min(NODES - 2);
@@ -99,7 +92,6 @@ impl Course {
     }
 
     /// Place of a point of the body's axes on the course.
-    #[must_use]
     pub fn locate(&self, x_m: f64, y_m: f64) -> Located {
         if self.is_straight {
             return Located { sigma_m: x_m, d_m: y_m, tangent: (1.0, 0.0), curvature_perm: 0.0 };
@@ -122,7 +114,6 @@ impl Course {
     }
 
     /// Point of the body's axes at a place of the course, m ahead and to the left.
-    #[must_use]
     pub fn place(&self, sigma_m: f64, d_m: f64) -> (f64, f64) {
         if self.is_straight {
             return (sigma_m, d_m);
@@ -142,7 +133,6 @@ impl Course {
     }
 
     /// Cosine and sine of the heading at an arc length.
-    #[must_use]
     pub fn tangent(&self, sigma_m: f64) -> (f64, f64) {
         if self.is_straight {
             return (1.0, 0.0);

@@ -22,7 +22,6 @@ struct Vote {
     range_m: f64,
 }
 
-/// Measures the ego's speed.
 #[derive(Clone, Debug)]
 pub struct EgoSpeed {
     numbers: Numbers,
@@ -36,15 +35,8 @@ pub struct EgoSpeed {
     disagrees: u32,
 }
 
-impl Default for EgoSpeed {
-    fn default() -> Self {
-        Self::new(&Numbers::DEFAULT)
-    }
-}
-
 impl EgoSpeed {
     /// No measurement yet.
-    #[must_use]
     pub fn new(numbers: &Numbers) -> Self {
         Self {
             numbers: *numbers,
@@ -57,7 +49,6 @@ impl EgoSpeed {
     }
 
     /// The measurement of the last scan, m/s, and the detections behind it.
-    #[must_use]
     pub fn measured(&self) -> Option<(f64, u64)> {
         self.measured
     }

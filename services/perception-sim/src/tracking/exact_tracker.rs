@@ -1,7 +1,6 @@
 //! True tracks, to judge laws without a sensor's errors. Range and field
 //! of view still bound what is seen.
 
-use messages::Detection;
 use scenario::Scenario;
 
 use super::list::{Track, TrackList};
@@ -9,9 +8,7 @@ use super::numbers::Numbers;
 use super::path::{Across, Membership, PathLimits};
 use crate::radar::object_list::View;
 use crate::radar::scene::Scene;
-use crate::vehicle::Vehicle;
 
-/// The tracker.
 #[derive(Clone, Debug)]
 pub struct ExactTracker {
     view: View,
@@ -22,8 +19,6 @@ pub struct ExactTracker {
 }
 
 impl ExactTracker {
-    /// The tracker of a scenario.
-    #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         let perception = &scenario.perception;
         Self {
@@ -57,33 +52,23 @@ impl ExactTracker {
             });
             self.limits.observe(&mut membership, &Across::resting(vehicle.lateral_m), dt_s);
             *place = Some((id, membership));
-            list.add(entry(id, membership.in_path(), &measurement, scene, vehicle));
+            list.add(Track {
+                id,
+                range_m: measurement.range_m,
+                range_rate_mps: measurement.range_rate_mps,
+                azimuth_rad: measurement.azimuth_rad,
+                measured: true,
+                gap_m: (vehicle.rear_position_m - scene.ego.position_m).max(0.0),
+                relative_speed_mps: vehicle.speed_mps - scene.ego.speed_mps,
+                acceleration_mps2: vehicle.acceleration_mps2,
+                lateral_m: vehicle.lateral_m,
+                lateral_speed_mps: vehicle.lateral_speed_mps,
+                length_m: vehicle.length_m,
+                width_m: scenario::event::VEHICLE_WIDTH_M,
+                in_path: membership.in_path(),
+            });
         }
         list.finish();
         list
-    }
-}
-
-fn entry(
-    id: u32,
-    in_path: bool,
-    measurement: &Detection,
-    scene: &Scene,
-    vehicle: &Vehicle,
-) -> Track {
-    Track {
-        id,
-        range_m: measurement.range_m,
-        range_rate_mps: measurement.range_rate_mps,
-        azimuth_rad: measurement.azimuth_rad,
-        measured: true,
-        gap_m: (vehicle.rear_position_m - scene.ego.position_m).max(0.0),
-        relative_speed_mps: vehicle.speed_mps - scene.ego.speed_mps,
-        acceleration_mps2: vehicle.acceleration_mps2,
-        lateral_m: vehicle.lateral_m,
-        lateral_speed_mps: vehicle.lateral_speed_mps,
-        length_m: vehicle.length_m,
-        width_m: scenario::event::VEHICLE_WIDTH_M,
-        in_path,
     }
 }

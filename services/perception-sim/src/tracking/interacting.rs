@@ -23,13 +23,13 @@ const LEAST_WEIGHT: f64 = 1e-4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bank<const N: usize, const M: usize> {
     filters: [Gaussian<N>; M],
+    /// Probability of each model.
     weights: [f64; M],
     combined: Gaussian<N>,
 }
 
 impl<const N: usize, const M: usize> Bank<N, M> {
     /// Filters that start with the given states; the first is the likely one.
-    #[must_use]
     pub fn new(filters: [Gaussian<N>; M]) -> Self {
         let mut weights = [0.1 / M as f64; M];
         weights[0] += 0.9;
@@ -64,20 +64,12 @@ impl<const N: usize, const M: usize> Bank<N, M> {
     }
 
     /// The bank's expectation and its covariance, the models' disagreement included.
-    #[must_use]
     pub fn combined(&self) -> &Gaussian<N> {
         &self.combined
     }
 
-    /// Probability of each model.
-    #[must_use]
-    pub fn weights(&self) -> &[f64; M] {
-        &self.weights
-    }
-
     /// The measurement of element `m` beside the prediction of the least certain model: what a gate
     /// has to let through.
-    #[must_use]
     pub fn widest(&self, m: usize, measured: f64, variance: f64) -> Innovation {
         let mut widest = self.filters[0].innovation(m, measured, variance);
         for filter in &self.filters[1..] {
@@ -162,10 +154,10 @@ mod tests {
         for _ in 0..50 {
             step(&mut bank, 0.0);
         }
-        assert!(bank.weights()[0] > 0.8, "{:?}", bank.weights());
+        assert!(bank.weights[0] > 0.8, "{:?}", bank.weights);
         let calm = bank.combined().covariance[0][0];
         step(&mut bank, 3.0);
-        assert!(bank.weights()[1] > 0.9, "{:?}", bank.weights());
+        assert!(bank.weights[1] > 0.9, "{:?}", bank.weights);
         assert!(bank.combined().mean[0] > 2.5);
         assert!(bank.combined().covariance[0][0] > 1.5 * calm);
     }
@@ -175,9 +167,9 @@ mod tests {
         let mut bank = bank();
         for measured in [0.0, 1e6, -1e6, 1e-9, 0.0, 1e12] {
             step(&mut bank, measured);
-            let total: f64 = bank.weights().iter().sum();
+            let total: f64 = bank.weights.iter().sum();
             assert!((total - 1.0).abs() < 1e-12);
-            assert!(bank.weights().iter().all(|&weight| weight >= 0.9 * LEAST_WEIGHT));
+            assert!(bank.weights.iter().all(|&weight| weight >= 0.9 * LEAST_WEIGHT));
         }
     }
 
@@ -201,11 +193,11 @@ mod tests {
 
     #[test]
     fn the_first_model_is_the_likely_one() {
-        assert_near(bank().weights()[0], 0.95);
-        assert_near(bank().weights()[1], 0.05);
+        assert_near(bank().weights[0], 0.95);
+        assert_near(bank().weights[1], 0.05);
         let three = Bank::<1, 3>::new([Gaussian::independent([0.0], [1.0]); 3]);
-        assert_near(three.weights()[0], 0.9 + 0.1 / 3.0);
-        assert_near(three.weights()[2], 0.1 / 3.0);
+        assert_near(three.weights[0], 0.9 + 0.1 / 3.0);
+        assert_near(three.weights[2], 0.1 / 3.0);
     }
 
     #[test]
@@ -213,8 +205,8 @@ mod tests {
         let mut bank = apart([1.0, 3.0]);
         bank.predict(&[0.1, 0.4], |model, filter| filter.mean[0] += [10.0, 20.0][model]);
         // From the second model come 0.02 of 0.875, and stay 0.03 of 0.125.
-        assert_near(bank.weights()[0], 0.875);
-        assert_near(bank.weights()[1], 0.125);
+        assert_near(bank.weights[0], 0.875);
+        assert_near(bank.weights[1], 0.125);
         let (into_first, into_second) = (0.02 / 0.875, 0.03 / 0.125);
         for (model, share, moved) in [(0, into_first, 10.0), (1, into_second, 20.0)] {
             let filter = &bank.filters[model];
@@ -228,8 +220,8 @@ mod tests {
         let mut three = Bank::<1, 3>::new([Gaussian::independent([0.0], [1.0]); 3]);
         three.predict(&[0.3, 0.0, 0.0], |_, _| ());
         let first = 0.9 + 0.1 / 3.0;
-        assert_near(three.weights()[0], 0.7 * first);
-        assert_near(three.weights()[1], 0.1 / 3.0 + 0.15 * first);
+        assert_near(three.weights[0], 0.7 * first);
+        assert_near(three.weights[1], 0.1 / 3.0 + 0.15 * first);
     }
 
     #[test]
@@ -242,8 +234,8 @@ mod tests {
         let likelihoods =
             [0.95 * libm::exp(-0.25) / f64::sqrt(2.0), 0.05 * libm::exp(-0.125) / f64::sqrt(4.0)];
         let first = likelihoods[0] / (likelihoods[0] + likelihoods[1]);
-        assert_near(bank.weights()[0], first);
-        assert_near(bank.weights()[1], 1.0 - first);
+        assert_near(bank.weights[0], first);
+        assert_near(bank.weights[1], 1.0 - first);
     }
 
     #[test]

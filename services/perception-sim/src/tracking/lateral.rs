@@ -15,7 +15,6 @@ pub struct Filter(Bank<2, 2>);
 
 impl Filter {
     /// A filter that starts with one measured position, m.
-    #[must_use]
     pub fn start(position: Measured, numbers: &Numbers) -> Self {
         let speed_variance = numbers.first_lateral_mps * numbers.first_lateral_mps;
         let state =
@@ -23,7 +22,6 @@ impl Filter {
         Self(Bank::new([state; 2]))
     }
 
-    /// Moves the estimate on by `dt_s`.
     pub fn predict(&mut self, dt_s: f64, numbers: &Numbers) {
         let density = [numbers.in_lane_m2ps3, numbers.lane_change_m2ps3];
         let sojourns_s = [numbers.in_lane_s, numbers.lane_change_s];
@@ -54,33 +52,23 @@ impl Filter {
         self.0.change(|state| state.mean[0] += by_m);
     }
 
-    /// Lateral position, m.
-    #[must_use]
     pub fn position_m(&self) -> f64 {
         self.0.combined().mean[0]
     }
 
-    /// Lateral position with its variance.
-    #[must_use]
     pub fn position(&self) -> Measured {
         let variance = self.0.combined().covariance[0][0].max(0.0);
         Measured { value: self.position_m(), variance }
     }
 
-    /// Lateral speed, m/s.
-    #[must_use]
     pub fn speed_mps(&self) -> f64 {
         self.0.combined().mean[1]
     }
 
-    /// Standard deviation of the lateral position, m.
-    #[must_use]
     pub fn position_sigma_m(&self) -> f64 {
         self.0.combined().covariance[0][0].max(0.0).sqrt()
     }
 
-    /// Standard deviation of the lateral speed, m/s.
-    #[must_use]
     pub fn speed_sigma_mps(&self) -> f64 {
         self.0.combined().covariance[1][1].max(0.0).sqrt()
     }

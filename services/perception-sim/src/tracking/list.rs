@@ -34,7 +34,6 @@ pub struct Track {
     pub gap_m: f64,
     /// Its speed minus the ego's, m/s.
     pub relative_speed_mps: f64,
-    /// Its acceleration, m/s².
     pub acceleration_mps2: f64,
     /// Lateral position of its centre, m, left positive.
     pub lateral_m: f64,
@@ -44,25 +43,19 @@ pub struct Track {
     pub length_m: f64,
     /// Width as far as it is seen, m.
     pub width_m: f64,
-    /// It is in the ego's path.
     pub in_path: bool,
 }
 
 impl TrackList {
     /// An empty list of the scan of `acquisition_ns`.
-    #[must_use]
     pub fn new(acquisition_ns: i64) -> Self {
         Self { acquisition_ns, ..Self::default() }
     }
 
-    /// The valid tracks.
-    #[must_use]
     pub fn tracks(&self) -> &[Track] {
         &self.tracks[..self.count]
     }
 
-    /// The target.
-    #[must_use]
     pub fn target(&self) -> Option<&Track> {
         self.target.map(|index| &self.tracks[index])
     }

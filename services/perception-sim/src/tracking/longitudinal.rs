@@ -38,9 +38,7 @@ const SOJOURNS_S: [f64; MODELS] = [5.0, 1.0];
 /// A manoeuvring lead's acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Maneuver {
-    /// Standard deviation, m/s².
     pub sigma_mps2: f64,
-    /// Correlation time, s.
     pub tau_s: f64,
 }
 
@@ -62,8 +60,6 @@ pub struct Step {
 }
 
 impl Step {
-    /// Length, s.
-    #[must_use]
     pub fn dt_s(&self) -> f64 {
         self.dt_s
     }
@@ -72,11 +68,9 @@ impl Step {
 /// Estimate of one vehicle's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Gap, m.
     pub gap_m: f64,
     /// Lead speed minus ego speed, m/s.
     pub relative_speed_mps: f64,
-    /// Acceleration of the lead, m/s².
     pub acceleration_mps2: f64,
     /// Covariance in the order gap, relative speed, acceleration; symmetric.
     pub covariance: [[f64; 3]; 3],
@@ -85,7 +79,6 @@ pub struct Estimate {
 impl Estimate {
     /// Constant braking that keeps the ego behind a vehicle of constant speed, m/s². It is 0 if they do not come
     /// closer.
-    #[must_use]
     pub fn braking_mps2(&self) -> f64 {
         let closing_mps = (-self.relative_speed_mps).max(0.0);
         closing_mps * closing_mps / (2.0 * self.gap_m.max(1.0))
@@ -95,15 +88,12 @@ impl Estimate {
 /// A measured value with its variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// Value.
     pub value: f64,
-    /// Variance.
     pub variance: f64,
 }
 
 impl Measured {
     /// A value with a standard deviation, which is taken as [`LEAST_SIGMA`] at least.
-    #[must_use]
     pub fn new(value: f64, sigma: f64) -> Self {
         let sigma = sigma.max(LEAST_SIGMA);
         Self { value, variance: sigma * sigma }
@@ -115,8 +105,6 @@ impl Measured {
 pub struct Filter(Bank<3, MODELS>);
 
 impl Model {
-    /// The model of a scenario.
-    #[must_use]
     pub fn of(scenario: &Scenario, numbers: &Numbers) -> Self {
         let keys = &scenario.perception.tracker;
         let quiet = Maneuver {
@@ -127,20 +115,16 @@ impl Model {
     }
 
     /// The model of a quiet lead and a gate in standard deviations.
-    #[must_use]
     pub fn new(quiet: Maneuver, gate: f64, numbers: &Numbers) -> Self {
         let hard = Maneuver { sigma_mps2: numbers.hard_mps2, tau_s: HARD_S };
         Self { maneuvers: [quiet, hard], gate, numbers: *numbers }
     }
 
-    /// The tracker's numbers.
-    #[must_use]
     pub fn numbers(&self) -> &Numbers {
         &self.numbers
     }
 
     /// A step of `dt_s` over which the ego has a constant acceleration.
-    #[must_use]
     pub fn step(&self, dt_s: f64, ego_acceleration_mps2: f64) -> Step {
         Step {
             dt_s,
@@ -151,7 +135,6 @@ impl Model {
     }
 
     /// A filter that starts with one measurement.
-    #[must_use]
     pub fn start(&self, range: Measured, range_rate: Measured) -> Filter {
         let mean = [range.value, range_rate.value, 0.0];
         Filter(Bank::new(self.maneuvers.map(|maneuver| {
@@ -174,7 +157,6 @@ impl Model {
 }
 
 impl Filter {
-    /// Moves the estimate on.
     pub fn predict(&mut self, model: &Model, step: &Step) {
         self.0.predict(&step.change, |index, state| model.advance(index, step, state));
     }
@@ -200,13 +182,10 @@ impl Filter {
     }
 
     /// Variance with which a range rate is expected, without its own.
-    #[must_use]
     pub fn range_rate_variance(&self) -> f64 {
         self.0.widest(1, 0.0, 0.0).variance
     }
 
-    /// The estimate.
-    #[must_use]
     pub fn estimate(&self) -> Estimate {
         let Gaussian { mean, covariance } = *self.0.combined();
         let [gap_m, relative_speed_mps, acceleration_mps2] = mean;

@@ -19,13 +19,11 @@ use super::numbers::Numbers;
 use super::track::DetectedTrack;
 
 /// A detection is so far off that no track begins with it.
-#[must_use]
 pub fn is_too_far(point: &Point, numbers: &Numbers) -> bool {
     point.y_m.abs() > numbers.farthest_m
 }
 
 /// `track` could be the image of `vehicle`.
-#[must_use]
 pub fn is_image(track: &DetectedTrack, vehicle: &DetectedTrack, numbers: &Numbers) -> bool {
     let side = track.across.position_m().signum();
     let (image_m, vehicle_m) =

@@ -18,7 +18,6 @@ pub struct Motion {
 pub struct Frame {
     /// Front bumper, m.
     pub x_m: f64,
-    /// See `x_m`.
     pub y_m: f64,
     /// Heading of the body, rad.
     pub heading_rad: f64,
@@ -38,7 +37,6 @@ impl Frame {
     }
 
     /// A point of the plane in the axes of this frame.
-    #[must_use]
     pub fn seen(&self, (x_m, y_m): (f64, f64)) -> (f64, f64) {
         let (sine, cosine) = sincos(self.heading_rad);
         let (dx, dy) = (x_m - self.x_m, y_m - self.y_m);
@@ -46,7 +44,6 @@ impl Frame {
     }
 
     /// A point of this frame in the plane.
-    #[must_use]
     pub fn placed(&self, (x_m, y_m): (f64, f64)) -> (f64, f64) {
         let (sine, cosine) = sincos(self.heading_rad);
         (self.x_m + cosine * x_m - sine * y_m, self.y_m + sine * x_m + cosine * y_m)

@@ -20,7 +20,6 @@ use scenario::event::VEHICLE_WIDTH_M;
 
 use super::numbers::Numbers;
 
-/// Limits of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct PathLimits {
     enter_m: f64,
@@ -35,9 +34,7 @@ pub struct PathLimits {
 pub struct Across {
     /// Lateral position of its centre, m, left positive.
     pub lateral_m: f64,
-    /// Lateral speed, m/s.
     pub speed_mps: f64,
-    /// Standard deviation of the lateral speed, m/s.
     pub speed_sigma_mps: f64,
     /// Probability that it is in the ego's way, where that is doubtful.
     pub in_way: Option<f64>,
@@ -60,7 +57,6 @@ pub struct Approach {
 
 impl Across {
     /// A position without a motion.
-    #[must_use]
     pub fn resting(lateral_m: f64) -> Self {
         let approach = Approach { gap_m: f64::INFINITY, relative_speed_mps: 0.0, length_m: 0.0 };
         Self {
@@ -77,7 +73,6 @@ impl Across {
 impl Across {
     /// The same beside a path that is believed. The standard deviation of the path's heading, as a lateral speed, is
     /// `crossing_mps`.
-    #[must_use]
     pub fn on_course(self, in_way: f64, crossing_mps: f64) -> Self {
         let speed_sigma_mps = libm::hypot(self.speed_sigma_mps, crossing_mps);
         Self { in_way: Some(in_way), speed_sigma_mps, ..self }
@@ -146,7 +141,6 @@ pub struct Membership {
 
 impl PathLimits {
     /// The limits of a scenario. Exact tracks need no confirmation and are not predicted.
-    #[must_use]
     pub fn new(selection: &TargetSelection, exact: bool, numbers: &Numbers) -> Self {
         Self {
             enter_m: selection.enter_half_width_m.value(),
@@ -158,7 +152,6 @@ impl PathLimits {
     }
 
     /// Membership of a track that was there before the run began: it is confirmed.
-    #[must_use]
     pub fn long_known(&self, lateral_m: f64) -> Membership {
         let in_path = lateral_m.abs() <= self.enter_m;
         let within_s = if in_path { self.confirm_s } else { 0.0 };
@@ -239,8 +232,6 @@ impl Membership {
         1.0 / (1.0 + libm::exp(-log_odds))
     }
 
-    /// The track is in the ego's path.
-    #[must_use]
     pub fn in_path(&self) -> bool {
         self.in_path
     }

@@ -22,15 +22,11 @@ const UNLIKELY: f64 = 0.1;
 /// Perception's model of the radar.
 #[derive(Clone, Copy, Debug)]
 pub struct Radar {
-    /// Its receiver.
     pub receiver: Receiver,
-    /// Its antenna.
     pub antenna: Antenna,
 }
 
 impl Radar {
-    /// The radar of these keys.
-    #[must_use]
     pub fn new(keys: &scenario::perception::Radar, receiver: &Receiver) -> Self {
         let antenna = Antenna::new(
             keys.detections.snr_at_100_m_db.value(),
@@ -42,14 +38,12 @@ impl Radar {
     }
 
     /// Cross section that makes an echo as strong as this one, m².
-    #[must_use]
     pub fn area_m2(&self, detection: &Detection, snr: f64) -> f64 {
         let Detection { range_m, azimuth_rad, .. } = *detection;
         snr / self.antenna.power_of_square_metre(range_m, azimuth_rad)
     }
 }
 
-/// The road ahead.
 #[derive(Clone, Debug)]
 pub struct RoadAhead {
     /// `None` without any source: straight on.
@@ -63,7 +57,6 @@ pub struct RoadAhead {
 
 impl RoadAhead {
     /// Straight on, before the first scan.
-    #[must_use]
     pub fn new(sources: Sources) -> Self {
         Self {
             belief: (sources != Sources::default()).then(|| Box::new(Belief::new(sources))),
@@ -74,7 +67,6 @@ impl RoadAhead {
     }
 
     /// The ego's motion as it is known.
-    #[must_use]
     pub fn motion(&self, speed_mps: f64, yaw_rate_radps: Option<f64>) -> Motion {
         Motion { speed_mps, yaw_rate_radps, slip_rad: self.slip.slip_rad() }
     }
@@ -144,25 +136,20 @@ impl RoadAhead {
     }
 
     /// The belief; `None` of a straight path and of a circle.
-    #[must_use]
     pub fn belief(&self) -> Option<&Belief> {
         self.belief.as_deref().filter(|belief| belief.looks_ahead())
     }
 
-    /// The course.
-    #[must_use]
     pub fn course(&self) -> &Course {
         self.belief.as_deref().map_or(&Course::STRAIGHT, Belief::course)
     }
 
     /// Standard deviation of the course's place across the road at an arc length, m; 0 of the straight path.
-    #[must_use]
     pub fn sigma_m(&self, sigma_m: f64) -> f64 {
         self.belief.as_deref().map_or(0.0, |belief| belief.sigma_m(sigma_m))
     }
 
     /// What stands at a place of the course is beside the ego's way.
-    #[must_use]
     pub fn is_aside(&self, place: (f64, f64), sigma_m: f64, numbers: &Numbers) -> bool {
         let off_m = place.1.abs() - numbers.standing_half_width_m;
         let Some(belief) = self.belief() else { return off_m > 0.0 };
@@ -173,7 +160,6 @@ impl RoadAhead {
 
     /// Heading, rad, curvature, 1/m, and its rate, 1/m², of a clothoid. It begins as the course does, and is at the
     /// same place across the road 100 m ahead.
-    #[must_use]
     pub fn clothoid(&self) -> [f64; 3] {
         const FAR_M: f64 = 100.0;
         let course = self.course();

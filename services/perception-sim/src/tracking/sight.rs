@@ -13,9 +13,10 @@
 //! [`Numbers::blind_s`], though [`Numbers::promised`] were to be seen, the share is 0.
 //!
 //! ```
+//! use perception_sim::tracking::numbers::Numbers;
 //! use perception_sim::tracking::sight::Share;
 //!
-//! let mut share = Share::default();
+//! let mut share = Share::new(&Numbers::DEFAULT);
 //! for scan in 0..200 {
 //!     share.forget(0.05);
 //!     share.observe(1.0, scan % 4 == 0);
@@ -42,15 +43,8 @@ pub struct Share {
     memory_s: f64,
 }
 
-impl Default for Share {
-    fn default() -> Self {
-        Self::new(&Numbers::DEFAULT)
-    }
-}
-
 impl Share {
     /// A sound radar is assumed.
-    #[must_use]
     pub fn new(numbers: &Numbers) -> Self {
         let Numbers { assumed, memory_s, .. } = *numbers;
         Self { seen: assumed, expected: assumed, memory_s }
@@ -70,17 +64,9 @@ impl Share {
     }
 
     /// The share, at most 1. It stays as it is while nothing is expected.
-    #[must_use]
     pub fn value(&self) -> f64 {
         if self.expected > 0.0 { (self.seen / self.expected).min(1.0) } else { 1.0 }
     }
-}
-
-/// A post where it was last seen, m ahead and to the left.
-#[derive(Clone, Copy, Debug)]
-struct Post {
-    x_m: f64,
-    y_m: f64,
 }
 
 /// The estimate of a radar that gives detections.
@@ -88,7 +74,8 @@ struct Post {
 pub struct Sight {
     numbers: Numbers,
     share: Share,
-    posts: Vec<Post>,
+    /// Posts where they were last seen, m ahead and to the left.
+    posts: Vec<(f64, f64)>,
     /// Posts that a scan should show according to the map.
     promised_per_scan: f64,
     strong_db: f64,
@@ -98,7 +85,6 @@ pub struct Sight {
 
 impl Sight {
     /// A radar with this threshold, dB, on a road with this number of posts on each side of a kilometre.
-    #[must_use]
     pub fn new(threshold_db: f64, posts_per_km: f64, numbers: &Numbers) -> Self {
         Self {
             numbers: *numbers,
@@ -137,8 +123,8 @@ impl Sight {
                 && point.y_m.abs() > numbers.posts_from_m
                 && point.x_m > 0.0
         };
-        for post in &self.posts {
-            let (x_m, y_m) = (post.x_m - ego_mps * dt_s, post.y_m);
+        for &(before_m, y_m) in &self.posts {
+            let x_m = before_m - ego_mps * dt_s;
             let (ahead_m, left_m) = course.place(x_m, y_m);
             let is_in_view =
                 ahead_m > 0.0 && libm::atan2(left_m.abs(), ahead_m) < view.half_rad - view.edge_rad;
@@ -157,7 +143,7 @@ impl Sight {
             any = true;
             let is_strong = detections[point.detection].snr_db > self.strong_db;
             if is_strong && self.posts.len() < MAX_POSTS {
-                self.posts.push(Post { x_m: point.x_m, y_m: point.y_m });
+                self.posts.push((point.x_m, point.y_m));
             }
         }
         self.unseen_s = if any { 0.0 } else { self.unseen_s + dt_s };
@@ -166,7 +152,6 @@ impl Sight {
     }
 
     /// Share of the expected detections that came.
-    #[must_use]
     pub fn share(&self) -> f64 {
         if self.unseen_s >= self.numbers.blind_s && self.promised >= self.numbers.promised {
             0.0

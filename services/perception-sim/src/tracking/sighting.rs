@@ -20,12 +20,12 @@ pub struct Sighting {
     pub(super) left_m: f64,
     rear_count: u32,
     lateral_variance: f64,
-    ground_mps: f64,
+    /// Mean speed over ground along the line of sight, m/s.
+    pub(super) ground_mps: f64,
 }
 
 impl Sighting {
     /// Gathers points that belong together; `lateral_mps` is the vehicle's lateral speed.
-    #[must_use]
     pub fn of<'a>(
         points: impl Iterator<Item = &'a Point> + Clone,
         lateral_mps: f64,
@@ -115,12 +115,6 @@ impl Sighting {
         let value = expected_m + off_m - off_m.clamp(-slack_m, slack_m);
         (value != expected_m).then_some(Measured { value, ..whole })
     }
-
-    /// Mean speed over ground along the line of sight, m/s.
-    #[must_use]
-    pub fn ground_mps(&self) -> f64 {
-        self.ground_mps
-    }
 }
 
 fn square(value: f64) -> f64 {
@@ -163,7 +157,7 @@ mod tests {
         assert_measured(seen.relative_speed(&NUMBERS), -2.0, 0.01 / 3.0 + 0.02 * 0.02);
         assert_eq!((seen.right_m, seen.left_m, seen.farthest_m), (2.0, 3.2, 44.0));
         assert_measured(seen.lateral(1.2, &NUMBERS), 2.6, 0.08 / 4.0);
-        assert!((seen.ground_mps() - 18.0).abs() < 1e-12);
+        assert!((seen.ground_mps - 18.0).abs() < 1e-12);
         // The rear is 0.8 m deep, and three deviations of the range deeper.
         let deep = [point(40.0, 0.0, 0.0), point(41.0, 0.0, 0.0)];
         let seen = Sighting::of(deep.iter(), 0.0, &NUMBERS).expect("points");

@@ -69,7 +69,6 @@ impl Slip {
     }
 
     /// Angle from the body's axis to the way of the bumper, rad, left positive.
-    #[must_use]
     pub fn slip_rad(&self) -> f64 {
         self.slip_rad
     }

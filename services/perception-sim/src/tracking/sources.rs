@@ -15,7 +15,6 @@ pub struct Sources {
 
 impl Sources {
     /// One of them shows the road ahead of the ego. The yaw rate alone makes a circle.
-    #[must_use]
     pub fn looks_ahead(&self) -> bool {
         self.standing || self.trails || self.map
     }
@@ -34,7 +33,6 @@ pub struct MapAhead<'a> {
 
 impl MapAhead<'_> {
     /// Curvature at a distance ahead, 1/m; `None` of an empty map.
-    #[must_use]
     pub fn curvature_perm(&self, ahead_m: f64) -> Option<f64> {
         let place = (ahead_m - self.first_m) / self.cell_m;
         let below = place.floor().clamp(0.0, (self.curvatures_perm.len().max(1) - 1) as f64);

@@ -14,7 +14,6 @@ use crate::radar::scene::Ego;
 /// Scans in the history.
 const REMEMBERED: u32 = 32;
 
-/// A track.
 #[derive(Clone, Copy, Debug)]
 pub struct DetectedTrack {
     /// Identity; 0 until it is confirmed.
@@ -64,7 +63,6 @@ pub struct Life {
 impl Life {
     /// The same for a radar that shows this share of its usual detections. Fewer scans show a vehicle, so it takes more
     /// of them to see it as often.
-    #[must_use]
     pub fn with_sight(self, seen_share: f64) -> Self {
         if seen_share >= messages::Sight::LIMITED_BELOW {
             return self;
@@ -87,7 +85,6 @@ pub struct FieldOfView {
 
 impl FieldOfView {
     /// True if a vehicle at this place is well within the field of view.
-    #[must_use]
     pub fn surely_shows(&self, gap_m: f64, lateral_m: f64) -> bool {
         gap_m > 1.0 && libm::atan2(lateral_m.abs(), gap_m) < self.half_rad - 2.0 * self.edge_rad
     }
@@ -95,7 +92,6 @@ impl FieldOfView {
 
 impl DetectedTrack {
     /// A track that begins with a sighting.
-    #[must_use]
     pub fn begin(model: &Model, sighting: &Sighting, moved: bool) -> Self {
         let numbers = model.numbers();
         let (range, rate) = (sighting.range(numbers), sighting.relative_speed(numbers));
@@ -140,7 +136,7 @@ impl DetectedTrack {
         let numbers = model.numbers();
         let seen = sighting.lateral(self.width_m, numbers);
         self.unseen_s = 0.0;
-        self.observe_motion(sighting.ground_mps().abs(), numbers);
+        self.observe_motion(sighting.ground_mps.abs(), numbers);
         self.history |= 1;
         self.nearest = sighting.nearest;
         let estimate = self.along.estimate();
@@ -186,13 +182,11 @@ impl DetectedTrack {
     }
 
     /// It is not confirmed, and has stood so far.
-    #[must_use]
     pub fn has_stood(&self) -> bool {
         self.id == 0 && !self.moved
     }
 
     /// Its place on the course: arc length of the rear and distance to the left, m.
-    #[must_use]
     pub fn place(&self) -> (f64, f64) {
         (self.along.estimate().gap_m, self.across.position_m())
     }
@@ -252,13 +246,8 @@ impl DetectedTrack {
 
     /// Lateral position in the axes of the course at its rear, seen from the radar, m. Its sign gives the side that
     /// shows.
-    #[must_use]
     pub fn aspect_m(&self, course: &Course) -> f64 {
-        let lateral_m = self.across.position_m();
-        if course.is_straight() {
-            return lateral_m;
-        }
-        let gap_m = self.along.estimate().gap_m;
+        let (gap_m, lateral_m) = self.place();
         let ((x_m, y_m), (cosine, sine)) = (course.place(gap_m, lateral_m), course.tangent(gap_m));
         y_m * cosine - x_m * sine
     }
@@ -273,7 +262,6 @@ impl DetectedTrack {
     }
 
     /// The outline for association.
-    #[must_use]
     pub fn outline(&self, place: usize, course: &Course) -> Outline {
         let estimate = self.along.estimate();
         let (lateral, speed) = (self.across.position_sigma_m(), self.across.speed_sigma_mps());
@@ -297,8 +285,6 @@ impl DetectedTrack {
         }
     }
 
-    /// Lateral motion.
-    #[must_use]
     pub fn across(&self) -> Across {
         Across {
             lateral_m: self.across.position_m(),
@@ -314,8 +300,6 @@ impl DetectedTrack {
         }
     }
 
-    /// It was seen in this scan.
-    #[must_use]
     pub fn is_seen(&self) -> bool {
         self.history & 1 == 1
     }
@@ -340,7 +324,6 @@ impl DetectedTrack {
     }
 
     /// Its motion, if it was lost in the path for more than chance misses.
-    #[must_use]
     pub fn lost(&self, numbers: &Numbers) -> Option<&Lost> {
         self.lost.as_ref().filter(|_| self.unseen_s > numbers.chance_s)
     }
@@ -351,14 +334,12 @@ impl DetectedTrack {
     }
 
     /// It has the hits for its confirmation.
-    #[must_use]
     pub fn deserves_confirmation(&self, life: &Life) -> bool {
         let factor = if self.moved { 1 } else { 2 };
         self.hits(factor * life.scans) >= factor * life.hits
     }
 
     /// It has not been seen often enough to go on.
-    #[must_use]
     pub fn is_over(&self, life: &Life, numbers: &Numbers) -> bool {
         if self.id == 0 {
             let factor = if self.moved { 1 } else { 2 };

@@ -40,7 +40,6 @@ use scenario::event::VEHICLE_WIDTH_M;
 /// Tracks at most, those that are not confirmed included.
 const MAX_KEPT: usize = 32;
 
-/// The tracker.
 #[derive(Clone, Debug)]
 pub struct Tracker {
     model: Model,
@@ -64,7 +63,6 @@ pub struct Tracker {
 
 impl Tracker {
     /// The tracker of a scenario, with the accuracy of its radar and the numbers, which studies vary.
-    #[must_use]
     pub fn new(scenario: &Scenario, receiver: &Receiver, numbers: &Numbers) -> Self {
         let perception = &scenario.perception;
         let keys = &perception.tracker;
@@ -159,7 +157,6 @@ impl Tracker {
     }
 
     /// The course and what is known of it.
-    #[must_use]
     pub fn ahead(&self) -> &RoadAhead {
         &self.ahead
     }
@@ -242,8 +239,6 @@ impl Tracker {
         }
     }
 
-    /// Share of the expected detections that came.
-    #[must_use]
     pub fn seen_share(&self) -> f64 {
         self.sight.share()
     }

@@ -18,7 +18,6 @@ const FEWEST: usize = 4;
 /// Distance ahead from which a place is used, m.
 const AHEAD_M: f64 = 2.0;
 
-/// Trails of all vehicles.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Trails([Trail; TRAILS]);
 

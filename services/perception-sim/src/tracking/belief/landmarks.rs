@@ -30,7 +30,6 @@ const SETTLED: f64 = 3.0;
 pub struct Echo {
     /// Place in the body's axes, m.
     pub x_m: f64,
-    /// See `x_m`.
     pub y_m: f64,
     /// Standard deviation across the line of sight, m.
     pub sigma_m: f64,
@@ -40,14 +39,12 @@ pub struct Echo {
     pub least_m2: f64,
 }
 
-/// A landmark.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Landmark {
     /// Place in the plane, m.
     pub place_m: (f64, f64),
     /// Sum of the weights of its echoes, 1/m².
     pub weight: f64,
-    /// Echoes.
     pub count: f64,
     /// Sum of their cross sections, m².
     pub area_m2: f64,
@@ -59,7 +56,6 @@ pub struct Landmark {
     unseen: u32,
 }
 
-/// The landmarks.
 #[derive(Clone, Debug)]
 pub struct Landmarks {
     list: Vec<Landmark>,
@@ -73,14 +69,11 @@ impl Default for Landmarks {
 }
 
 impl Landmarks {
-    /// The landmarks.
-    #[must_use]
     pub fn list(&self) -> &[Landmark] {
         &self.list
     }
 
     /// Yaw rate without the sensor's offset, rad/s.
-    #[must_use]
     pub fn yaw_rate_radps(&self, motion: &Motion) -> Option<f64> {
         motion.yaw_rate_radps.map(|radps| radps - self.offset_radps)
     }

@@ -60,7 +60,6 @@ const LEAST: f64 = -8.0;
 /// A landmark in the frame of the evidence.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mark {
-    /// Place, m.
     pub at_m: (f64, f64),
     /// 1 / standard deviation as a post and as a vehicle, 1/m.
     sharp_perm: f64,
@@ -72,7 +71,6 @@ pub struct Mark {
 
 impl Mark {
     /// A landmark at a place, m, known to `sigma_m`, with a mean cross section and the smallest one that shows there.
-    #[must_use]
     pub fn new(at_m: (f64, f64), sigma_m: f64, area_m2: f64, least_m2: f64) -> Self {
         let [posts, vehicles, others] = SHARES;
         let blunt_m = libm::hypot(sigma_m, VEHICLE_M);
@@ -109,7 +107,6 @@ impl Mark {
 
     /// Probability that it is in the own lane, or that it is anything, which is in the way with `in_way`. `lanes` are
     /// those by an evidence that contains it.
-    #[must_use]
     pub fn in_lane(&self, d_m: f64, hypothesis: &Hypothesis, lanes: &Lanes, in_way: f64) -> f64 {
         let (other, [a, b, c]) = (self.other(d_m, hypothesis), self.lanes(d_m));
         let own = in_lanes([0.0, b, 0.0]);
@@ -126,7 +123,6 @@ pub const WAY: usize = 4;
 /// Evidence in one frame.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
-    /// Landmarks.
     pub marks: Vec<Mark>,
     /// Places where the ego was, m.
     pub way: Vec<(f64, f64)>,
@@ -136,9 +132,7 @@ pub struct Evidence {
     pub own: Option<(f64, f64)>,
     /// Direction of the ego's way in the body's axes, rad.
     pub slip_rad: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
-    /// Curvatures of the map, 1/m.
     pub map_perm: Option<[f64; MAP_PLACES]>,
 }
 
@@ -165,7 +159,6 @@ impl Evidence {
 
     /// Logarithm of the likelihood of a hypothesis, with the prior of the ego's place in its lane.
     /// The second result has the probabilities of the lanes with a queue.
-    #[must_use]
     pub fn log_likelihood(&self, hypothesis: &Hypothesis, line: &Line) -> (f64, Lanes) {
         let normal = |off: f64| (-0.5 * off * off).max(LEAST);
         let mut sum = -0.5 * square(hypothesis.offset_m / SWAY_M);
@@ -246,7 +239,6 @@ pub const STRAIGHT_M: f64 = 170.0;
 pub const SHORT_M: f64 = 8.0;
 
 /// Logarithm of the prior density of the curves and edges, up to a constant.
-#[must_use]
 pub fn log_prior(hypothesis: &Hypothesis, speed_mps: f64) -> f64 {
     let within = |value: f64, (from, to): (f64, f64)| (from..=to).contains(&value);
     let mut sum = 0.0;

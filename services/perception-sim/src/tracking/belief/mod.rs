@@ -111,7 +111,6 @@ impl Particle {
     }
 }
 
-/// The belief.
 #[derive(Clone, Debug)]
 pub struct Belief {
     sources: Sources,
@@ -137,7 +136,6 @@ pub struct Belief {
 
 impl Belief {
     /// Before the first scan.
-    #[must_use]
     pub fn new(sources: Sources) -> Self {
         let mut random = Random::of_run(SEED, 0);
         let mut evidence = Evidence::default();
@@ -171,7 +169,6 @@ impl Belief {
     }
 
     /// A source shows the road ahead.
-    #[must_use]
     pub fn looks_ahead(&self) -> bool {
         self.sources.looks_ahead()
     }

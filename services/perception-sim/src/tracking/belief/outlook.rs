@@ -64,7 +64,7 @@ impl Belief {
             (mean.sigma_m[index] + left_m * left_m).sqrt()
         });
         mean.sigma_rad = mean.sigma_rad.map(|square| (square + LEFT_RAD * LEFT_RAD).sqrt());
-        mean.line = Line::through(nodes, heading_rad);
+        mean.line = Line { nodes, heading_rad };
         mean
     }
 
@@ -91,7 +91,6 @@ impl Belief {
 
     /// Probability that an object is in the ego's way. It is at a point of the body's axes, m, known across the road to
     /// `sigma_m`, and `width_m` wide. Ego and object wander in their lanes.
-    #[must_use]
     pub fn in_way(&self, point_m: (f64, f64), sigma_m: f64, width_m: f64) -> f64 {
         let point_m = self.framed(point_m);
         let sharp_perm = 1.0 / libm::hypot(sigma_m, SWAY_M);
@@ -105,7 +104,6 @@ impl Belief {
 
     /// The same of an object that has always stood. A post is never in the way, and a vehicle stands in a lane, near
     /// the others of its queue. The cross section distinguishes the two.
-    #[must_use]
     pub fn in_way_standing(&self, point_m: (f64, f64), sigma_m: f64, width_m: f64) -> f64 {
         let there_m = self.next_frame.seen(self.ego.placed(point_m));
         let Some(mark) = self.evidence.body(there_m) else {
@@ -122,7 +120,6 @@ impl Belief {
     }
 
     /// Probability that a track is in the way, by its place on the course: the arc length and the distance to the left, m.
-    #[must_use]
     pub fn in_way_at(&self, place: (f64, f64), sigma_m: f64, width_m: f64, has_moved: bool) -> f64 {
         let point_m = self.course.place(place.0, place.1);
         match has_moved {
@@ -132,7 +129,6 @@ impl Belief {
     }
 
     /// Distance of a point of the body's axes to the left of the lane's middle, m, with its standard deviation.
-    #[must_use]
     pub fn beside_m(&self, point_m: (f64, f64)) -> (f64, f64) {
         let point_m = self.framed(point_m);
         let (mut sum, mut squares) = (0.0, 0.0);
@@ -146,14 +142,11 @@ impl Belief {
         (mean, ((squares / count - mean * mean).max(0.0) + left_m * left_m).sqrt())
     }
 
-    /// The course.
-    #[must_use]
     pub fn course(&self) -> &Course {
         &self.course
     }
 
     /// Standard deviation of the course's place across the road at an arc length, m.
-    #[must_use]
     pub fn sigma_m(&self, sigma_m: f64) -> f64 {
         if !self.sources.looks_ahead() {
             return libm::hypot(ASKEW_RAD * sigma_m, 0.5 * STEERED_PERM * sigma_m * sigma_m);
@@ -164,7 +157,6 @@ impl Belief {
     }
 
     /// Standard deviation of the course's heading at an arc length, rad.
-    #[must_use]
     pub fn heading_sigma_rad(&self, sigma_m: f64) -> f64 {
         let (index, share) = between(sigma_m);
         let [a, b] = [self.mean.sigma_rad[index], self.mean.sigma_rad[index + 1]];

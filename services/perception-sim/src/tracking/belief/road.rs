@@ -23,7 +23,6 @@ pub const NODES: usize = 22;
 /// Arc length of the first node, m.
 pub const FIRST_M: f64 = -(BEHIND as f64) * SPACING_M;
 
-/// A curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bend {
     /// Arc length at which it begins, m.
@@ -38,7 +37,6 @@ pub struct Bend {
 
 impl Bend {
     /// Arc length at which it ends, m.
-    #[must_use]
     pub fn to_m(&self) -> f64 {
         self.from_m + 2.0 * self.ramp_m + self.arc_m
     }
@@ -49,14 +47,12 @@ impl Bend {
     }
 
     /// Curvature at an arc length, 1/m.
-    #[must_use]
     pub fn at(&self, s_m: f64) -> f64 {
         let into_m = (s_m - self.from_m).min(self.to_m() - s_m);
         self.curvature_perm * (into_m / self.ramp_m).clamp(0.0, 1.0)
     }
 }
 
-/// A hypothesis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hypothesis {
     /// Curves in their order.
@@ -71,7 +67,6 @@ pub struct Hypothesis {
 
 impl Hypothesis {
     /// Curvature at an arc length, 1/m.
-    #[must_use]
     pub fn curvature_perm(&self, s_m: f64) -> f64 {
         self.bends.iter().map(|bend| bend.at(s_m)).sum()
     }
@@ -82,11 +77,9 @@ impl Hypothesis {
 pub struct Node {
     /// In the body's axes, m.
     pub x_m: f64,
-    /// See `x_m`.
     pub y_m: f64,
     /// Cosine and sine of the heading.
     pub cosine: f64,
-    /// See `cosine`.
     pub sine: f64,
     /// Heading against the one at the bumper, rad.
     pub turn_rad: f64,
@@ -108,14 +101,13 @@ pub struct Beside {
 /// The middle of the lane in the plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Line {
-    /// Its nodes.
     pub nodes: [Node; NODES],
-    heading_rad: f64,
+    /// Heading at the bumper in the body's axes, rad.
+    pub heading_rad: f64,
 }
 
 impl Line {
     /// The line of a hypothesis.
-    #[must_use]
     pub fn of(hypothesis: &Hypothesis) -> Self {
         // Turns at every half of a spacing, against the one at the bumper.
         let mut turns = [0.0; 2 * NODES + 1];
@@ -168,14 +160,7 @@ impl Line {
         line
     }
 
-    /// The line through these nodes, with this heading at the bumper, rad.
-    #[must_use]
-    pub fn through(nodes: [Node; NODES], heading_rad: f64) -> Self {
-        Self { nodes, heading_rad }
-    }
-
     /// Distance of a point of the body's axes to the left of the line, m.
-    #[must_use]
     pub fn across_m(&self, (x_m, y_m): (f64, f64)) -> f64 {
         let (index, along_m, across_m) = nearest(&self.nodes, (SPACING_M, FIRST_M), (x_m, y_m));
         let curvature = self.nodes[index].curvature_perm;
@@ -185,7 +170,6 @@ impl Line {
     }
 
     /// Place of a point of the body's axes.
-    #[must_use]
     pub fn beside(&self, point: (f64, f64)) -> Beside {
         let (index, along_m, across_m) = nearest(&self.nodes, (SPACING_M, FIRST_M), point);
         let node = &self.nodes[index];

@@ -29,7 +29,7 @@ fn told(speed_mps: f64) -> Option<Ego> {
 
 #[test]
 fn it_follows_braking_and_a_pack_of_vehicles_does_not_pull_it_away() {
-    let mut speed = EgoSpeed::default();
+    let mut speed = EgoSpeed::new(&Numbers::DEFAULT);
     let mut ego_mps: f64 = 25.0;
     for k in 0..60 {
         let chosen = speed.take_scan(
@@ -47,7 +47,7 @@ fn it_follows_braking_and_a_pack_of_vehicles_does_not_pull_it_away() {
 
 #[test]
 fn odometry_that_is_off_or_missing_gives_way_to_the_measurement() {
-    let mut speed = EgoSpeed::default();
+    let mut speed = EgoSpeed::new(&Numbers::DEFAULT);
     speed.take_scan(&Course::STRAIGHT, 0, told(20.0), &scan(20.0, 0, 0.0));
     speed.take_scan(&Course::STRAIGHT, 50_000_000, told(24.0), &scan(20.0, 0, 0.0));
     let chosen = speed.take_scan(&Course::STRAIGHT, 100_000_000, told(24.0), &scan(20.0, 0, 0.0));
@@ -61,7 +61,7 @@ fn odometry_that_is_off_or_missing_gives_way_to_the_measurement() {
 /// Points of a queue in the next lane whose azimuth is off, nearer to the last estimate than any post.
 #[test]
 fn a_queue_that_crawls_in_the_next_lane_does_not_stand() {
-    let mut speed = EgoSpeed::default();
+    let mut speed = EgoSpeed::new(&Numbers::DEFAULT);
     let ego_mps = 15.0;
     for k in 0..40 {
         let mut detections = scan(ego_mps, 0, 0.0);
@@ -94,7 +94,7 @@ fn traffic(ego_mps: f64, other_mps: f64) -> Vec<Detection> {
 
 #[test]
 fn vehicles_at_two_places_do_not_contradict_odometry() {
-    let mut speed = EgoSpeed::default();
+    let mut speed = EgoSpeed::new(&Numbers::DEFAULT);
     for k in 0..60 {
         let posts = if k < 10 { scan(9.0, 0, 0.0) } else { Vec::new() };
         let seen = [posts, traffic(9.0, 8.0)].concat();
@@ -116,7 +116,7 @@ fn vehicles_at_two_places_do_not_contradict_odometry() {
 
 #[test]
 fn nothing_beside_the_road_is_no_measurement() {
-    let mut speed = EgoSpeed::default();
+    let mut speed = EgoSpeed::new(&Numbers::DEFAULT);
     assert_eq!(speed.take_scan(&Course::STRAIGHT, 0, told(20.0), &[]).speed_mps, 20.0);
     assert_eq!(speed.measured(), None);
     assert_eq!(speed.take_scan(&Course::STRAIGHT, 50_000_000, told(26.0), &[]).speed_mps, 26.0);
@@ -160,7 +160,7 @@ fn stands(x_m: f64, y_m: f64) -> Detection {
 #[test]
 fn an_echo_off_the_lane_and_ahead_votes() {
     let votes = |detection: Detection| {
-        let mut speed = EgoSpeed::default();
+        let mut speed = EgoSpeed::new(&Numbers::DEFAULT);
         speed.vote(&Course::STRAIGHT, None, &[detection]);
         speed.votes
     };
@@ -177,7 +177,7 @@ fn an_echo_off_the_lane_and_ahead_votes() {
     let ambiguous = Detection { ambiguity_group: 1, ..stands(40.0, 8.0) };
     assert!(votes(ambiguous).is_empty());
     // On a left curve of 100 m radius what is straight ahead is beside the road.
-    let mut speed = EgoSpeed::default();
+    let mut speed = EgoSpeed::new(&Numbers::DEFAULT);
     speed.vote(&Course::bent(0.0, |_| 0.01), None, &[stands(40.0, 0.0)]);
     assert_eq!(speed.votes.len(), 1);
 }
@@ -193,7 +193,7 @@ fn votes(speeds_mps: &[f64]) -> Vec<Detection> {
 
 /// Measurement `after_ns` after one of 20 m/s.
 fn measured_after(after_ns: i64, speeds_mps: &[f64]) -> Option<f64> {
-    let mut speed = EgoSpeed { last: Some((20.0, 0)), ..EgoSpeed::default() };
+    let mut speed = EgoSpeed { last: Some((20.0, 0)), ..EgoSpeed::new(&Numbers::DEFAULT) };
     speed.take_scan(&Course::STRAIGHT, after_ns, None, &votes(speeds_mps));
     speed.measured().map(|(mps, points)| {
         assert!(points >= 3);
@@ -216,14 +216,14 @@ fn three_votes_within_reach_are_a_measurement() {
     assert_eq!(measured_after(1_010_000_000, &[40.0; 6]), Some(40.0));
     assert_eq!(measured_after(1_010_000_000, &[40.0; 5]), None);
     assert_eq!(measured_after(scan_ns, &[-0.5; 3]), None, "out of reach");
-    let mut slow = EgoSpeed { last: Some((0.0, 0)), ..EgoSpeed::default() };
+    let mut slow = EgoSpeed { last: Some((0.0, 0)), ..EgoSpeed::new(&Numbers::DEFAULT) };
     slow.take_scan(&Course::STRAIGHT, scan_ns, None, &votes(&[-0.5; 3]));
     assert_eq!(slow.measured(), Some((0.0, 3)), "no vehicle drives backwards");
 }
 
 #[test]
 fn odometry_gives_way_after_two_scans_of_more_than_a_metre_a_second() {
-    let mut speed = EgoSpeed { last: Some((20.0, 0)), ..EgoSpeed::default() };
+    let mut speed = EgoSpeed { last: Some((20.0, 0)), ..EgoSpeed::new(&Numbers::DEFAULT) };
     let mut chosen = |scan: i64, told_mps: f64, speeds_mps: &[f64]| {
         speed
             .take_scan(&Course::STRAIGHT, scan * 50_000_000, told(told_mps), &votes(speeds_mps))
