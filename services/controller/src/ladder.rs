@@ -108,7 +108,7 @@ impl Recovery {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Ladder {
     stale_radar_s: f64,
     stale_spat_s: f64,
@@ -140,15 +140,7 @@ impl Ladder {
             stale_spat_s: stale(scenario.v2x.period_ms.value()),
             stale_odometry_s: stale(scenario.plant.period_ms.value()),
             has_signals: !scenario.v2x.signals.is_empty(),
-            recovery: Recovery::default(),
-            radar_is_fresh: false,
-            memory: LeadMemory::default(),
-            caution: Caution::default(),
-            departure: Departure::default(),
-            remembered_s: None,
-            last_request_mps2: 0.0,
-            last_ego: None,
-            level: Level::Full,
+            ..Self::default()
         }
     }
 

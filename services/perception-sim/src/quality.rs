@@ -31,7 +31,7 @@ use crate::vehicle::Vehicle;
 /// Inward speed from which a vehicle beside the path is a right target, m/s.
 const INWARD_MPS: f64 = 0.1;
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Quality {
     view: View,
     scans: u64,
@@ -77,16 +77,10 @@ impl Quality {
     pub fn new(scenario: &Scenario) -> Self {
         Self {
             view: View::new(&scenario.perception.radar),
-            scans: 0,
-            localisation: 0.0,
-            missed: 0,
-            false_tracks: 0,
-            left_out: 0,
-            targets: Targets::default(),
             cut_ins: Vec::with_capacity(scenario.actors.len()),
             in_view: Vec::with_capacity(scenario.actors.len()),
             confirmed: Confirmed { worst_s: f64::NEG_INFINITY, ..Confirmed::default() },
-            last_ns: None,
+            ..Self::default()
         }
     }
 
@@ -196,10 +190,7 @@ impl Quality {
                 as u64,
             false_targets: self.targets.episodes,
             false_target_s: self.targets.false_s,
-            detections: None,
-            detections_left_out: None,
-            unstarted_acts: Vec::new(),
-            road_ended: false,
+            ..PerceptionReport::default()
         }
     }
 }

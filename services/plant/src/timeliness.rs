@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Counts control periods without a command in time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Timeliness {
     period_ns: i64,
     deadline_ns: i64,
@@ -25,15 +25,7 @@ pub(crate) struct Timeliness {
 impl Timeliness {
     /// The schedule of a control loop with this period and deadline, ns.
     pub(crate) fn new(period_ns: i64, deadline_ns: i64) -> Self {
-        Self {
-            period_ns,
-            deadline_ns,
-            next_ns: 0,
-            newest_ns: i64::MIN,
-            due: 0,
-            missed: 0,
-            longest_gap_ns: 0,
-        }
+        Self { period_ns, deadline_ns, newest_ns: i64::MIN, ..Self::default() }
     }
 
     /// A command has arrived that was computed for the release at `release_ns`.

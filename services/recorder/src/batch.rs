@@ -1,7 +1,7 @@
 //! Messages on their way from the topics to a file or a viewer.
 
-use messages::{Message, Topic};
-use runtime::{Guest, RuntimeError};
+use messages::{TOPICS, Topic};
+use runtime::{Guest, RuntimeError, Tapped};
 
 /// Most messages that are taken from one topic before the next one's turn.
 const TURN: usize = 1024;
@@ -15,9 +15,9 @@ pub struct Batch {
 }
 
 impl Batch {
-    fn push<T: Message>(&mut self, message: &T) {
-        self.entries.push((T::TOPIC, self.bytes.len()));
-        self.bytes.extend_from_slice(bytemuck::bytes_of(message));
+    fn push(&mut self, topic: Topic, message: &[u8]) {
+        self.entries.push((topic, self.bytes.len()));
+        self.bytes.extend_from_slice(message);
     }
 
     /// Each message with its topic, those of one sender on one topic in their order.
@@ -33,12 +33,9 @@ impl Batch {
     }
 }
 
-/// Moves what is there of one topic into a batch.
-type Drain = Box<dyn Fn(&mut Batch) -> Result<(), RuntimeError>>;
-
 /// The tapped topics.
 pub struct Taps {
-    topics: Vec<Drain>,
+    topics: Vec<Tapped>,
     // Ports before the node that owns them.
     _guest: Guest,
 }
@@ -49,21 +46,7 @@ impl Taps {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn open(guest: Guest) -> Result<Self, RuntimeError> {
-        fn drain<T: Message>(guest: &Guest) -> Result<Drain, RuntimeError> {
-            let tapped = guest.tap::<T>()?;
-            Ok(Box::new(move |into| {
-                for _ in 0..TURN {
-                    if !tapped.take(|message| into.push(message))? {
-                        break;
-                    }
-                }
-                Ok(())
-            }))
-        }
-        macro_rules! every {
-            ($($message:ty),+) => { vec![$(drain::<$message>(&guest)?),+] };
-        }
-        let topics = messages::each_message!(every);
+        let topics = TOPICS.into_iter().map(|topic| guest.tap(topic)).collect::<Result<_, _>>()?;
         Ok(Self { topics, _guest: guest })
     }
 
@@ -73,7 +56,13 @@ impl Taps {
     /// [`RuntimeError::Topic`].
     pub fn take(&self) -> Result<Batch, RuntimeError> {
         let mut batch = Batch::default();
-        self.topics.iter().try_for_each(|drain| drain(&mut batch))?;
+        for tapped in &self.topics {
+            for _ in 0..TURN {
+                if !tapped.take(|message| batch.push(tapped.topic, message))? {
+                    break;
+                }
+            }
+        }
         Ok(batch)
     }
 }

@@ -4,10 +4,7 @@ use crate::ReadError;
 use crate::Recording;
 use crate::link::{orders, say};
 use crate::takes::{INPUTS, Take, inputs};
-use messages::{
-    Course, Curves, Diagnostics, LateralMotion, Map, Message, Odometry, Origin, Powertrain,
-    Preview, RadarTracks, Spat,
-};
+use messages::{Origin, Topic};
 use runtime::{Group, Guest, RuntimeError, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
@@ -74,8 +71,9 @@ fn play(root: &Path, file: &Path, take: &Take) -> Result<(), PlayError> {
     let group = Group::read(root)?;
     let recording = Recording::open(file)?;
     let guest = Guest::join(&group, "replayer")?;
-    let ports = Ports::open(&guest)?;
-    let answers = guest.tap::<Diagnostics>()?;
+    let ports = INPUTS.map(|topic| guest.player(topic));
+    let ports = ports.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let answers = guest.tap(Topic::Diagnostics)?;
     let input = orders()?;
     say(&FromReplayer::Ready);
     if input.recv().is_err() {
@@ -91,11 +89,11 @@ fn play(root: &Path, file: &Path, take: &Take) -> Result<(), PlayError> {
             }
         }
         let used = inputs(&cycle.diagnostics.header.origins).into_iter().zip(&mut last);
-        for ((port, sample), (origin, last)) in ports.0.iter().zip(&cycle.samples).zip(used) {
+        for ((port, sample), (origin, last)) in ports.iter().zip(&cycle.samples).zip(used) {
             if let Some(sample) = sample
                 && origin != *last
             {
-                port(sample)?;
+                port.send(sample)?;
                 *last = origin;
             }
         }
@@ -111,36 +109,10 @@ fn play(root: &Path, file: &Path, take: &Take) -> Result<(), PlayError> {
 }
 
 /// Takes the diagnostics that arrived, one for each cycle, and counts them.
-fn taken(answers: &Tapped<Diagnostics>) -> Result<usize, PlayError> {
+fn taken(answers: &Tapped) -> Result<usize, PlayError> {
     let mut count = 0;
     while answers.take(|_| {})? {
         count += 1;
     }
     Ok(count)
-}
-
-/// Sends the bytes of a message.
-type Port = Box<dyn Fn(&[u8]) -> Result<(), RuntimeError>>;
-
-/// The sending ends of the controller's inputs, in the order of [`INPUTS`].
-struct Ports([Port; INPUTS.len()]);
-
-impl Ports {
-    fn open(guest: &Guest) -> Result<Self, RuntimeError> {
-        fn port<T: Message>(guest: &Guest) -> Result<Port, RuntimeError> {
-            let port = guest.player::<T>()?;
-            Ok(Box::new(move |message| port.send(message)))
-        }
-        Ok(Self([
-            port::<RadarTracks>(guest)?,
-            port::<Odometry>(guest)?,
-            port::<Spat>(guest)?,
-            port::<Map>(guest)?,
-            port::<Powertrain>(guest)?,
-            port::<Preview>(guest)?,
-            port::<Course>(guest)?,
-            port::<Curves>(guest)?,
-            port::<LateralMotion>(guest)?,
-        ]))
-    }
 }

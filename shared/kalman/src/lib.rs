@@ -75,30 +75,6 @@ impl<const N: usize> Gaussian<N> {
         Innovation { residual: measured - self.mean[m], variance: self.covariance[m][m] + variance }
     }
 
-    /// A measurement of the sum `h · state` with a variance, by its difference from the prediction. The caller has the
-    /// prediction, which need not be linear.
-    pub fn innovation_along(&self, h: &[f64; N], residual: f64, variance: f64) -> Innovation {
-        Innovation { residual, variance: self.variance_along(h) + variance }
-    }
-
-    /// Variance of the sum `h · state`.
-    pub fn variance_along(&self, h: &[f64; N]) -> f64 {
-        let row = |i: usize| (0..N).map(|j| self.covariance[i][j] * h[j]).sum::<f64>();
-        (0..N).map(|i| h[i] * row(i)).sum()
-    }
-
-    /// Takes in the measurement of `h · state` that led to `innovation`.
-    pub fn correct_along(&mut self, h: &[f64; N], innovation: &Innovation) {
-        let p = self.covariance;
-        let along: [f64; N] = from_fn(|i| (0..N).map(|j| p[i][j] * h[j]).sum());
-        let share = 1.0 / innovation.variance;
-        for (mean, along) in self.mean.iter_mut().zip(along) {
-            *mean += along * share * innovation.residual;
-        }
-        // The same product for both entries of a pair: the matrix stays symmetric.
-        self.covariance = from_fn(|i| from_fn(|j| p[i][j] - along[i] * along[j] * share));
-    }
-
     /// Takes in the measurement of element `m` that led to `innovation`.
     pub fn correct(&mut self, m: usize, innovation: &Innovation) {
         let p = self.covariance;
@@ -140,25 +116,6 @@ mod tests {
         state.correct(0, &innovation);
         assert!((state.mean[1] - 2.0).abs() < 1e-12);
         assert!(state.covariance[0][0].abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_measured_sum_of_elements_corrects_all_of_them() {
-        let mut state = Gaussian::independent([1.0, 2.0], [4.0, 1.0]);
-        let mut alone = state;
-        let h = [0.0, 1.0];
-        let (of_sum, of_element) =
-            (state.innovation_along(&h, 0.5, 1.0), state.innovation(1, 2.5, 1.0));
-        assert_eq!(of_sum, of_element);
-        state.correct_along(&h, &of_sum);
-        alone.correct(1, &of_element);
-        assert_eq!(state, alone);
-        // The less that is known of an element, the more of the residual it takes.
-        let mut state = Gaussian::independent([0.0, 0.0], [4.0, 1.0]);
-        let innovation = state.innovation_along(&[1.0, 1.0], 5.0, 0.0);
-        state.correct_along(&[1.0, 1.0], &innovation);
-        assert!((state.mean[0] - 4.0).abs() < 1e-12 && (state.mean[1] - 1.0).abs() < 1e-12);
-        assert!(state.variance_along(&[1.0, 1.0]).abs() < 1e-12);
     }
 
     #[test]

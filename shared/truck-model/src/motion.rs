@@ -42,20 +42,6 @@ pub struct Ledger {
     pub engine_brake_j: f64,
 }
 
-impl Ledger {
-    /// Returns the crank work left for kinetic energy \[J\]; by the balance it equals the change of
-    /// K.
-    pub fn remainder_j(&self) -> f64 {
-        let losses_j = self.auxiliary_j
-            + self.driveline_j
-            + self.clutch_j
-            + self.rolling_j
-            + self.air_j
-            + self.service_brake_j;
-        self.crank_j - losses_j - self.potential_j
-    }
-}
-
 /// State of a truck in motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {

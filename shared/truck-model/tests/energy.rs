@@ -47,7 +47,13 @@ proptest! {
         }
         let ledger = motion.ledger;
         let kinetic_j = truck.kinetic_energy_j(motion.speed_mps) - start_j;
-        let off_j = ledger.remainder_j() - kinetic_j;
+        let losses_j = ledger.auxiliary_j
+            + ledger.driveline_j
+            + ledger.clutch_j
+            + ledger.rolling_j
+            + ledger.air_j
+            + ledger.service_brake_j;
+        let off_j = ledger.crank_j - losses_j - ledger.potential_j - kinetic_j;
         prop_assert!(off_j.abs() < TOLERANCE * moved_j, "{off_j} J of {moved_j} J: {ledger:?}");
         let potential_off_j = ledger.potential_j - weight_n * height_m;
         prop_assert!(potential_off_j.abs() < TOLERANCE * moved_j, "{potential_off_j}");

@@ -8,7 +8,7 @@ use crate::start::processes::{Janitor, Process};
 use crate::{Error, MachineError};
 use controller::laws;
 use drive::Exit;
-use messages::{Command, Diagnostics, Service};
+use messages::{Command, Diagnostics, Service, Topic};
 use recorder::{FromReplayer, Recording, Take, ToReplayer};
 use runtime::{
     FromService, Group, Guest, Mode, Schedule, StartOrder, Tapped, Timetable, ToService,
@@ -123,7 +123,7 @@ impl Cast {
         heard: &mut dyn FnMut(Replayed<'_>),
     ) -> Result<(), Error> {
         let guest = Guest::join(group, "launcher")?;
-        let (commands, diagnostics) = (guest.tap()?, guest.tap()?);
+        let (commands, diagnostics) = (guest.tap(Topic::Command)?, guest.tap(Topic::Diagnostics)?);
         let mut listener = Listener { commands, diagnostics, cycles: 0, heard };
         self.wait_until_ready(events)?;
         // A receiver that has not looked is not connected.
@@ -204,8 +204,8 @@ fn broken(what: String, foreign: bool) -> Error {
 
 /// Hears the controller.
 struct Listener<'a> {
-    commands: Tapped<Command>,
-    diagnostics: Tapped<Diagnostics>,
+    commands: Tapped,
+    diagnostics: Tapped,
     cycles: u64,
     heard: &'a mut dyn FnMut(Replayed<'_>),
 }
@@ -213,10 +213,10 @@ struct Listener<'a> {
 impl Listener<'_> {
     fn listen(&mut self) -> Result<(), Error> {
         let Self { commands, diagnostics, cycles, heard } = self;
-        while commands.take(|command| heard(Replayed::Command(command)))? {}
-        while diagnostics.take(|diagnostics| {
+        while commands.take(|bytes| heard(Replayed::Command(bytemuck::from_bytes(bytes))))? {}
+        while diagnostics.take(|bytes| {
             *cycles += 1;
-            heard(Replayed::Diagnostics(diagnostics));
+            heard(Replayed::Diagnostics(bytemuck::from_bytes(bytes)));
         })? {}
         Ok(())
     }

@@ -20,7 +20,7 @@ use super::scene::Scene;
 use crate::random::Random;
 
 /// Range and field of view.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct View {
     max_range_m: f64,
     /// Tangent of half of the opening angle; infinite where that is not below a right angle.

@@ -43,7 +43,7 @@ pub enum Violation {
 }
 
 /// Watches one run.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Referee {
     /// `None` on a level road.
     #[serde(skip)]
@@ -83,15 +83,9 @@ impl Referee {
             desired: scenario.referee.desired_gap,
             set_speed_mps: scenario.set_speed_mps.value(),
             reach_m: scenario.perception.radar.max_range_m.value(),
-            last: None,
-            stop_lines: StopLines::default(),
-            violation: None,
-            gap_error: MeanSquare::default(),
-            jerk: MeanSquare::default(),
             wheel_energy: WheelEnergy::of(scenario, numbers),
-            drives: false,
             plane: PlaneFigures::of(scenario, numbers),
-            figures: ControlFigures::default(),
+            ..Self::default()
         }
     }
 

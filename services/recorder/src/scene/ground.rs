@@ -28,9 +28,10 @@ impl Place {
 }
 
 /// The road that is drawn.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) enum Ground {
     /// Along x; the ego's lane alone is drawn.
+    #[default]
     Straight,
     /// Ground by the road's plan, with all lanes.
     Plan(Box<Plan>),

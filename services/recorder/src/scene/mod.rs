@@ -59,7 +59,7 @@ pub(crate) struct Drawn {
 }
 
 /// Present knowledge of the road.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Scene {
     epoch_ns: i64,
     ego_length_m: f64,
@@ -115,16 +115,7 @@ impl Scene {
             lengths_m: actors.map(|actor| actor.length_m.value()).collect(),
             ground,
             due_ns: i64::MIN,
-            odometry: None,
-            pose: None,
-            vehicles: None,
-            more_vehicles: None,
-            poses: None,
-            more_poses: None,
-            signals: None,
-            tracks: None,
-            sequences: [0; TOPICS.len()],
-            drawn: Vec::new(),
+            ..Self::default()
         }
     }
 

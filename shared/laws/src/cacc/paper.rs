@@ -81,7 +81,7 @@ pub struct PaperLaw {
     state: State,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct State {
     /// `d_s` at the first target, under [`SpacingPolicy::ConstantDistance`].
     frozen_m: Option<f64>,
@@ -122,7 +122,7 @@ impl PaperLaw {
                 problem(config, Program::Follow)?,
                 problem(config, Program::Softened)?,
             ],
-            state: State::new(config),
+            state: State::default(),
         })
     }
 
@@ -150,7 +150,7 @@ impl PaperLaw {
             output.figures[2] = problem.objective(self.solver.inputs(), self.solver.states());
             output.figures[3] = report.residuals.max();
             if usable(&report) {
-                self.state.plan.store(self.solver.inputs(), input.time_s);
+                self.state.plan.store(self.solver.inputs(), input.time_s, self.config.step_s);
                 let fresh = self.state.plan.write(input.time_s, input.period_s, 0.0, output);
                 return if fresh { quality } else { Quality::Backup };
             }
@@ -219,7 +219,7 @@ pub(super) fn usable(report: &Report) -> bool {
 
 impl Law for PaperLaw {
     fn reset(&mut self) {
-        self.state = State::new(&self.config);
+        self.state = State::default();
     }
 
     fn step(&mut self, input: &Input, output: &mut Output) {
@@ -260,15 +260,6 @@ impl Law for PaperLaw {
 }
 
 impl State {
-    fn new(config: &Config) -> Self {
-        Self {
-            frozen_m: None,
-            light: None,
-            plan: PlanMemory::new(config.step_s),
-            mode: ModeMemory::default(),
-        }
-    }
-
     /// The nearest signal, as long as it is ahead and shows its first phase.
     fn active_light(&mut self, input: &Input) -> Option<ActiveLight> {
         let ahead = |signal: &&SignalAhead| signal.distance_m > 0.0;

@@ -11,21 +11,22 @@ pub(super) struct PlanMemory {
     step_s: f64,
 }
 
-impl PlanMemory {
-    /// No plan yet; `step_s` is the time from one request to the next.
-    pub(super) fn new(step_s: f64) -> Self {
-        Self { requests: [0.0; MAX_PLAN], len: 0, made_at_s: 0.0, step_s }
+impl Default for PlanMemory {
+    fn default() -> Self {
+        Self { requests: [0.0; MAX_PLAN], len: 0, made_at_s: 0.0, step_s: 0.0 }
     }
+}
 
+impl PlanMemory {
     pub(super) fn clear(&mut self) {
         self.len = 0;
     }
 
-    /// Keeps `requests`, one per prediction step, as made at `time_s`.
-    pub(super) fn store(&mut self, requests: &[f64], time_s: f64) {
+    /// Keeps `requests`, one per prediction step of `step_s`, as made at `time_s`.
+    pub(super) fn store(&mut self, requests: &[f64], time_s: f64, step_s: f64) {
+        (self.made_at_s, self.step_s) = (time_s, step_s);
         self.len = requests.len().min(MAX_PLAN);
         self.requests[..self.len].copy_from_slice(&requests[..self.len]);
-        self.made_at_s = time_s;
     }
 
     /// Writes what remains of the plan at `time_s`, one request per `period_s`. Returns whether
@@ -65,10 +66,10 @@ mod tests {
 
     #[test]
     fn a_plan_is_shifted_and_resampled() {
-        let mut memory = PlanMemory::new(0.1);
+        let mut memory = PlanMemory::default();
         let mut output = Output::default();
         assert!(!memory.write(0.0, 0.1, 1.0, &mut output));
-        memory.store(&[1.0, 2.0, 3.0, 4.0], 5.0);
+        memory.store(&[1.0, 2.0, 3.0, 4.0], 5.0, 0.1);
         assert!(memory.write(5.2, 0.1, 1.0, &mut output));
         assert_eq!((output.plan_len, output.plan_mps2[0], output.plan_mps2[1]), (2, 3.0, 4.0));
         assert!(memory.write(5.0, 0.05, 1.0, &mut output));

@@ -39,7 +39,7 @@ pub struct Predictive {
 }
 
 /// All state that `reset` clears.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct State {
     tracking: Tracking,
     filter: TargetFilter,
@@ -60,18 +60,9 @@ impl State {
     fn new(keys: &Keys) -> Self {
         let time_price = keys.plan.time_price.unwrap_or(keys.planner.usual_time_price());
         Self {
-            tracking: Tracking::default(),
             filter: TargetFilter::new(&keys.filter),
-            spacing_mode: Mode::default(),
             price: TimePrice::new(time_price, keys.mean_speed),
-            trust: MapTrust::default(),
-            keeper: SpeedKeeper::default(),
-            reference: Reference::default(),
-            last_resort: LastResort::default(),
-            wanted_mps2: None,
-            mode: CRUISE,
-            reason: 0,
-            request: None,
+            ..Self::default()
         }
     }
 }

@@ -67,7 +67,7 @@ const PRICE_PER_MEAN: f64 = 20.0;
 /// Range of beta / beta_0.
 const RANGE: (f64, f64) = (0.5, 5.0);
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct TimePrice {
     initial: f64,
     lag_s: f64,

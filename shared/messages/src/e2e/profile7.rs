@@ -58,17 +58,6 @@ pub enum Corrupted {
     DataId,
 }
 
-/// The protected part of a message: its first `in_use` bytes, or all bytes if its length states so.
-/// Recordings of versions that protected every byte have such lengths.
-#[inline]
-#[must_use]
-pub fn protected(message: &[u8], in_use: usize) -> &[u8] {
-    let says_all = message.get(8..12).is_some_and(|length| {
-        u32::try_from(message.len()).is_ok_and(|all| length == all.to_be_bytes())
-    });
-    if says_all { message } else { &message[..in_use] }
-}
-
 fn crc(bytes: &[u8]) -> u64 {
     checksum(CrcAlgorithm::Crc64Xz, bytes)
 }
@@ -128,17 +117,11 @@ mod tests {
     }
 
     #[test]
-    fn unused_bytes_are_protected_only_if_the_length_states_so() {
+    fn another_number_of_elements_than_was_protected_is_found() {
         let mut message = [7; 64];
         protect(&mut message[..40], 0x0a0b_0c0d, 9);
-        assert_eq!(protected(&message, 40).len(), 40);
-        assert_eq!(check(protected(&message, 40), 0x0a0b_0c0d), Ok(9));
-        // Another number of elements than was protected.
-        assert_eq!(check(protected(&message, 48), 0x0a0b_0c0d), Err(Corrupted::Crc));
-        protect(&mut message, 0x0a0b_0c0d, 9);
-        assert_eq!(check(protected(&message, 40), 0x0a0b_0c0d), Ok(9));
-        message[50] ^= 1;
-        assert_eq!(check(protected(&message, 40), 0x0a0b_0c0d), Err(Corrupted::Crc));
+        assert_eq!(check(&message[..40], 0x0a0b_0c0d), Ok(9));
+        assert_eq!(check(&message[..48], 0x0a0b_0c0d), Err(Corrupted::Crc));
     }
 
     #[test]

@@ -7,13 +7,11 @@ use super::{Check, Publisher, Seal, Subscriber, Tally};
 use crate::life::link::End;
 use crate::survival::fence::Gate;
 use crate::transport::waking::Waker;
-use crate::transport::{Held, Ipc, Receiver, Seat, Sender, SharedMemory, Transport, Wanted};
+use crate::transport::{Ipc, Receiver, Seat, Sender, SharedMemory, Transport, Wanted};
 use crate::{Clock, Group, Mode, RuntimeError, Timetable, TransportError};
 use iceoryx2::prelude::ServiceName;
 use iceoryx2::service::builder::Builder;
-use messages::{Message, Service, Topic};
-use std::cell::RefCell;
-use std::marker::PhantomData;
+use messages::{Header, Message, Service, Topic};
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -108,62 +106,55 @@ impl Guest {
         topic.drain(each)
     }
 
-    /// Taps `T`'s topic from now on: each message as it was sent, unchecked.
-    pub fn tap<T: Message>(&self) -> Result<Tapped<T>, RuntimeError> {
-        let port = self.transport.receiver(T::TOPIC, Wanted::Every)?;
-        Ok(Tapped { held: RefCell::new(port.room()), port })
+    /// Taps a topic from now on: each message as it was sent, unchecked.
+    pub fn tap(&self, topic: Topic) -> Result<Tapped, RuntimeError> {
+        Ok(Tapped { topic, port: self.transport.receiver(topic, Wanted::Every)? })
     }
 
-    /// Opens the sending end of `T`'s topic for messages that are complete.
-    pub fn player<T: Message>(&self) -> Result<Played<T>, RuntimeError> {
-        let port = self.transport.sender(T::TOPIC, End::default())?;
-        Ok(Played { port, waker: self.waker(T::TOPIC), message: PhantomData })
+    /// Opens the sending end of a topic for messages that are complete.
+    pub fn player(&self, topic: Topic) -> Result<Played, RuntimeError> {
+        let port = self.transport.sender(topic, End::default())?;
+        Ok(Played { topic, port, waker: self.waker(topic) })
     }
 }
 
 /// The messages of one topic, as a tap receives them.
 #[derive(Debug)]
-pub struct Tapped<T: Message> {
+pub struct Tapped {
+    pub topic: Topic,
     port: Rc<Receiver>,
-    held: RefCell<Held<T>>,
 }
 
-impl<T: Message> Tapped<T> {
-    /// Hands the oldest message that was not yet taken to `each`; false if there is none.
-    pub fn take(&self, each: impl FnOnce(&T)) -> Result<bool, RuntimeError> {
-        let mut held = self.held.borrow_mut();
-        let taken = self.port.receive(&mut held);
-        let taken = taken.map_err(RuntimeError::topic("receive on", T::TOPIC))?;
-        if let (Some(_), Some(message)) = (&taken, held.get()) {
-            each(message);
-        }
-        held.clear();
-        Ok(taken.is_some())
+impl Tapped {
+    /// Hands the bytes of the oldest message that was not yet taken to `each`; false if there is none.
+    pub fn take(&self, each: impl FnOnce(&[u8])) -> Result<bool, RuntimeError> {
+        let taken = self.port.receive().map_err(RuntimeError::topic("receive on", self.topic))?;
+        Ok(taken.map(|(message, _)| each(message.bytes())).is_some())
     }
 }
 
-/// The sending end of `T`'s topic for messages that are complete, as recorded ones are.
+/// The sending end of a topic for messages that are complete, as recorded ones are.
 #[derive(Debug)]
-pub struct Played<T> {
+pub struct Played {
+    topic: Topic,
     port: Rc<Sender>,
     waker: Waker,
-    message: PhantomData<T>,
 }
 
-impl<T: Message> Played<T> {
+impl Played {
     /// Sends the message whose bytes these are as it is, and wakes who waits for it.
     ///
     /// # Errors
-    /// [`RuntimeError::Topic`], also for as many bytes as no message of the type has.
+    /// [`RuntimeError::Topic`], also for as many bytes as no message of the topic has.
     pub fn send(&self, bytes: &[u8]) -> Result<(), RuntimeError> {
-        let error = |reason| RuntimeError::Topic("send on", T::TOPIC, reason);
-        let mut message = self.port.loan::<T>().map_err(error)?;
-        let place = bytemuck::bytes_of_mut(&mut *message);
-        if place.len() != bytes.len() {
+        let error = |reason| RuntimeError::Topic("send on", self.topic, reason);
+        if bytes.len() != self.topic.message_bytes() {
             return Err(error(TransportError::Refused("bytes that are not such a message")));
         }
-        place.copy_from_slice(bytes);
-        self.port.send(message).map_err(error)?;
+        let header: Header = bytemuck::pod_read_unaligned(&bytes[..size_of::<Header>()]);
+        let mut message = self.port.loan().map_err(error)?;
+        message.bytes_mut().copy_from_slice(bytes);
+        self.port.send(message, header.step).map_err(error)?;
         self.waker.wake();
         Ok(())
     }

@@ -43,7 +43,7 @@ impl<T: Message> Publisher<T> {
     /// As [`Self::loan`].
     pub fn loan_used(&self) -> Result<Loan<T>, RuntimeError> {
         let loan = self.0.borrow().port.loan();
-        loan.map_err(RuntimeError::topic("send on", T::TOPIC))
+        loan.map(Loan::at).map_err(RuntimeError::topic("send on", T::TOPIC))
     }
 
     /// Loans, lets `write` fill the zeros and sends.
@@ -136,7 +136,7 @@ impl<T: Message> Seal<T> {
             profile7::protect(&mut bytes[..in_use], data_id, sequence as u32);
             self.tally.borrow_mut().digest(&bytes[..in_use]);
         }
-        let sent = self.port.send(message);
+        let sent = self.port.send(message.0, step);
         sent.map_err(RuntimeError::topic("send on", T::TOPIC))?;
         if let Some((waker, timetable)) = &self.waker
             && (timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))

@@ -127,8 +127,10 @@ impl<T: Message> Subscriber<T> {
         }
         loop {
             self.incoming.clear();
-            let arrival = self.port.receive(&mut self.incoming).map_err(refused::<T>)?;
-            let Some((arrival, sample)) = arrival.zip(self.incoming.get()) else { return Ok(None) };
+            let taken = self.port.receive().map_err(refused::<T>)?;
+            let Some((message, arrival)) = taken else { return Ok(None) };
+            self.incoming.take(message);
+            let Some(sample) = self.incoming.get() else { return Ok(None) };
             if self.check.admit::<T>(sample.header(), &arrival) {
                 return Ok(Some(arrival.messages));
             }
@@ -203,7 +205,8 @@ impl<T: Message> Subscriber<T> {
             return Ok(());
         }
         let look = |port: &mut Self| {
-            while port.port.receive(&mut port.incoming).map_err(refused::<T>)?.is_some() {
+            while let Some((message, _)) = port.port.receive().map_err(refused::<T>)? {
+                port.incoming.take(message);
                 let sent = port.incoming.get().map(|sample| Origin::of(sample.header()));
                 if let Some(sent) = sent.filter(|sent| named(*sent)) {
                     port.check.move_back(&mut port.incoming);

@@ -228,7 +228,7 @@ impl MemoryReceiver {
 mod tests {
     use super::*;
     use crate::Mode;
-    use crate::transport::{Held, Receiver, Sender, Transport};
+    use crate::transport::{Held, Loan, Receiver, Sender, Transport};
     use messages::{Message, Odometry, RadarDetections};
 
     const ODOMETRY: Topic = Topic::Odometry;
@@ -248,14 +248,16 @@ mod tests {
     }
 
     fn send(sender: &Sender, step: u64) -> Result<(), TransportError> {
-        let mut message = sender.loan::<Odometry>().expect("there is memory");
+        let mut message = Loan::<Odometry>::at(sender.loan().expect("there is memory"));
         message.header.step = step;
-        sender.send(message)
+        sender.send(message.0, step)
     }
 
     /// The next message, and how many came since the last look.
     fn receive<T: Message>(receiver: &Receiver, held: &mut Held<T>) -> Option<u64> {
-        receiver.receive(held).expect("memory does not fail").map(|arrival| arrival.messages)
+        let (message, arrival) = receiver.receive().expect("memory does not fail")?;
+        held.take(message);
+        Some(arrival.messages)
     }
 
     fn steps(receiver: &Receiver) -> Vec<(u64, u64)> {
@@ -320,10 +322,10 @@ mod tests {
         let mut held = receiver.room::<RadarDetections>();
         let mut addresses = Vec::new();
         for count in 1..=6 {
-            let mut message = sender.loan::<RadarDetections>().expect("there is memory");
+            let mut message = Loan::<RadarDetections>::at(sender.loan().expect("there is memory"));
             message.count = count;
             addresses.push(std::ptr::from_ref(&*message));
-            sender.send(message).expect("room");
+            sender.send(message.0, 0).expect("room");
             let before = held.get().map(|held| held.count);
             assert_eq!(before, (count > 1).then(|| count - 1), "what is held stays");
             assert_eq!(receive(&receiver, &mut held), Some(1));

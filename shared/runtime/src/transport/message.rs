@@ -20,18 +20,43 @@ pub(super) type Words = Rc<[u64]>;
 /// Memory for one message, loaned from the port that will send it. A loan that is not sent goes back to
 /// its port.
 #[derive(Debug)]
-pub struct Loan<T: Message>(pub(super) Place, PhantomData<T>);
+pub struct Loan<T: Message>(pub(crate) Place, PhantomData<T>);
 
+/// The place of a message that is written.
 #[derive(Debug)]
-pub(super) enum Place {
+pub(crate) enum Place {
     /// In the sender's segment of shared memory.
     SharedMemory(LoanedSample),
     /// In the memory of the process; there is no other handle until it is sent.
     Memory(Words),
 }
 
+impl Place {
+    fn bytes(&self) -> &[u8] {
+        match self {
+            Self::SharedMemory(sample) => bytes_in(sample.payload()),
+            Self::Memory(words) => cast_slice(words),
+        }
+    }
+
+    pub(crate) fn bytes_mut(&mut self) -> &mut [u8] {
+        match self {
+            Self::SharedMemory(sample) => {
+                let payload = sample.payload_mut();
+                // SAFETY: as in `bytes_in`, and the payload is borrowed for as long as the bytes.
+                unsafe {
+                    std::slice::from_raw_parts_mut(payload.as_mut_ptr().cast(), payload.len())
+                }
+            }
+            Self::Memory(words) => {
+                cast_slice_mut(Rc::get_mut(words).expect("not sent yet: no other handle"))
+            }
+        }
+    }
+}
+
 impl<T: Message> Loan<T> {
-    pub(super) fn at(place: Place) -> Self {
+    pub(crate) fn at(place: Place) -> Self {
         Self(place, PhantomData)
     }
 }
@@ -45,27 +70,29 @@ impl<T: Message> Deref for Loan<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        from_bytes(match &self.0 {
-            Place::SharedMemory(sample) => bytes_in(sample.payload()),
-            Place::Memory(words) => cast_slice(words),
-        })
+        from_bytes(self.0.bytes())
     }
 }
 
 impl<T: Message> DerefMut for Loan<T> {
     fn deref_mut(&mut self) -> &mut T {
-        from_bytes_mut(match &mut self.0 {
-            Place::SharedMemory(sample) => {
-                let payload = sample.payload_mut();
-                // SAFETY: as in `bytes_in`, and the payload is borrowed for as long as the bytes.
-                unsafe {
-                    std::slice::from_raw_parts_mut(payload.as_mut_ptr().cast(), payload.len())
-                }
-            }
-            Place::Memory(words) => {
-                cast_slice_mut(Rc::get_mut(words).expect("not sent yet: no other handle"))
-            }
-        })
+        from_bytes_mut(self.0.bytes_mut())
+    }
+}
+
+/// A message that arrived, in the memory of its sender.
+#[derive(Debug)]
+pub(crate) enum Taken {
+    Sample(ReceivedSample),
+    Memory(Words),
+}
+
+impl Taken {
+    pub(crate) fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Sample(sample) => bytes_in(sample.payload()),
+            Self::Memory(words) => cast_slice(words),
+        }
     }
 }
 
@@ -81,8 +108,7 @@ pub(crate) struct Held<T: Message> {
 enum State {
     Empty,
     Copied,
-    Sample(ReceivedSample),
-    Memory(Words),
+    Borrowed(Taken),
 }
 
 impl<T: Message> Held<T> {
@@ -99,8 +125,7 @@ impl<T: Message> Held<T> {
         match &self.state {
             State::Empty => None,
             State::Copied => self.copy.as_deref(),
-            State::Sample(sample) => Some(from_bytes(bytes_in(sample.payload()))),
-            State::Memory(words) => Some(from_bytes(cast_slice(words))),
+            State::Borrowed(taken) => Some(from_bytes(taken.bytes())),
         }
     }
 
@@ -114,23 +139,17 @@ impl<T: Message> Held<T> {
         match std::mem::replace(&mut self.state, State::Empty) {
             State::Empty => return None,
             State::Copied => self.state = State::Copied,
-            State::Sample(sample) => self.copy(from_bytes(bytes_in(sample.payload()))),
-            State::Memory(words) => self.copy(from_bytes(cast_slice(&words))),
+            State::Borrowed(taken) => self.copy(from_bytes(taken.bytes())),
         }
         self.copy.as_deref_mut()
     }
 
-    /// Keeps what arrived through shared memory.
-    pub(super) fn take_sample(&mut self, sample: ReceivedSample) {
-        match Self::IS_COPIED {
-            true => self.copy(from_bytes(bytes_in(sample.payload()))),
-            false => self.state = State::Sample(sample),
+    /// Keeps what arrived.
+    pub(crate) fn take(&mut self, taken: Taken) {
+        match taken {
+            Taken::Sample(_) if Self::IS_COPIED => self.copy(from_bytes(taken.bytes())),
+            _ => self.state = State::Borrowed(taken),
         }
-    }
-
-    /// Keeps what arrived in the memory of the process.
-    pub(super) fn take_shared(&mut self, words: Words) {
-        self.state = State::Memory(words);
     }
 
     /// Gives the message back to its sender.

@@ -13,15 +13,14 @@ pub mod waking;
 
 pub use memory::Turns;
 pub(super) use memory::{Bus, Seat};
-pub(super) use message::Held;
 pub use message::Loan;
+pub(super) use message::{Held, Place, Taken};
 pub(super) use shared_memory::SharedMemory;
 pub use shared_memory::{Ipc, shared_memory_bytes};
 
 use crate::life::link::End;
 use crate::survival::fence::Peers;
 use crate::transport::memory::{MemoryReceiver, MemorySender};
-use crate::transport::message::Place;
 use crate::transport::shared_memory::{ReceivingPort, SendingPort, loan, pid_of};
 use crate::transport::waking::{Waiter, Waker};
 use crate::{Clock, RuntimeError, Timetable, TransportError};
@@ -162,17 +161,16 @@ impl Sender {
 
     /// Memory for a message where its readers will read it. It holds zeros or an earlier message of this
     /// port.
-    pub(crate) fn loan<T: Message>(&self) -> Result<Loan<T>, TransportError> {
-        Ok(Loan::at(match self {
+    pub(crate) fn loan(&self) -> Result<Place, TransportError> {
+        Ok(match self {
             Self::SharedMemory(port) => Place::SharedMemory(loan(port)?),
             Self::Memory(port) => Place::Memory(port.loan()),
-        }))
+        })
     }
 
-    /// Hands a message that was loaned here to all receivers.
-    pub(crate) fn send<T: Message>(&self, message: Loan<T>) -> Result<(), TransportError> {
-        let step = message.header().step;
-        match (self, message.0) {
+    /// Hands a message of `step` that was loaned here to all receivers.
+    pub(crate) fn send(&self, message: Place, step: u64) -> Result<(), TransportError> {
+        match (self, message) {
             (_, Place::SharedMemory(sample)) => {
                 sample.send().map(|_| ()).map_err(TransportError::iceoryx2)
             }
@@ -217,24 +215,19 @@ impl Receiver {
         Held::new(matches!(self, Self::SharedMemory(_)))
     }
 
-    /// Takes the next message into `held`; `None` if there is none.
-    pub(crate) fn receive<T: Message>(
-        &self,
-        held: &mut Held<T>,
-    ) -> Result<Option<Arrival>, TransportError> {
+    /// Takes the next message; `None` if there is none.
+    pub(crate) fn receive(&self) -> Result<Option<(Taken, Arrival)>, TransportError> {
         match self {
             Self::SharedMemory(port) => {
                 let sample = port.receive().map_err(TransportError::iceoryx2)?;
                 Ok(sample.map(|sample| {
                     let pid = Some(pid_of(sample.origin().value()));
-                    held.take_sample(sample);
-                    Arrival { pid, messages: 1 }
+                    (Taken::Sample(sample), Arrival { pid, messages: 1 })
                 }))
             }
-            Self::Memory(port) => Ok(port.receive().map(|(words, messages)| {
-                held.take_shared(words);
-                Arrival { pid: None, messages }
-            })),
+            Self::Memory(port) => Ok(port
+                .receive()
+                .map(|(words, messages)| (Taken::Memory(words), Arrival { pid: None, messages }))),
         }
     }
 }

@@ -96,7 +96,7 @@ pub struct RoadLaw {
     state: State,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct State {
     signals: SignalMemory,
     chosen: Option<(u32, Choice)>,
@@ -129,7 +129,7 @@ impl RoadLaw {
             config: *config,
             uses_light,
             planner: Planner::new(config, solver)?,
-            state: State::new(config),
+            state: State::default(),
         })
     }
 
@@ -276,7 +276,7 @@ impl RoadLaw {
 
 impl Law for RoadLaw {
     fn reset(&mut self) {
-        self.state = State::new(&self.config);
+        self.state = State::default();
     }
 
     fn step(&mut self, input: &Input, output: &mut Output) {
@@ -315,18 +315,5 @@ impl Law for RoadLaw {
 
     fn request_bounds_mps2(&self) -> (f64, f64) {
         (self.config.min_request_mps2, self.config.max_request_mps2)
-    }
-}
-
-impl State {
-    fn new(config: &Config) -> Self {
-        Self {
-            signals: SignalMemory::default(),
-            chosen: None,
-            plan: PlanMemory::new(config.step_s),
-            own: OwnLag::default(),
-            planned: None,
-            mode: ModeMemory::default(),
-        }
     }
 }

@@ -33,7 +33,7 @@ impl RoadLaw {
         output.figures[3] = candidate.residual;
         let plan = &mut self.state.plan;
         if candidate.solved {
-            plan.store(&candidate.requests[..n], input.time_s);
+            plan.store(&candidate.requests[..n], input.time_s, self.config.step_s);
             self.state.planned = choice;
             output.quality = if decision.shortfall_m > 0.0 && taken == Choice::Pass {
                 Quality::Relaxed
@@ -47,8 +47,8 @@ impl RoadLaw {
         let written = (candidate.solved || same)
             && plan.write(input.time_s, input.period_s, MAX_PLAN_AGE_S, output);
         if !written {
-            let mut driver = PlanMemory::new(self.config.step_s);
-            driver.store(&candidate.requests[..n], input.time_s);
+            let mut driver = PlanMemory::default();
+            driver.store(&candidate.requests[..n], input.time_s, self.config.step_s);
             driver.write(input.time_s, input.period_s, 0.0, output);
         }
         let (min, max) = (self.config.min_request_mps2, self.config.road.acceleration_mps2);

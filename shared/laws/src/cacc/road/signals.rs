@@ -87,7 +87,6 @@ impl Line {
                     count += 1;
                 }
                 Phase::Yellow | Phase::Red => {}
-                Phase::Unknown if first => break,
                 Phase::Unknown => break,
             }
             // A red opens the line when another phase is shown: its likely end serves to plan.
