@@ -112,7 +112,8 @@ impl Recovery {
 pub struct Ladder {
     stale_radar_s: f64,
     stale_spat_s: f64,
-    stale_odometry_s: f64,
+    /// Age from which odometry is of no use, s.
+    pub stale_odometry_s: f64,
     has_signals: bool,
     recovery: Recovery,
     radar_is_fresh: bool,
@@ -185,7 +186,7 @@ impl Ladder {
         if self.radar_is_fresh {
             self.remembered_s = Some(input.time_s);
             input.target = self.memory.see(input, radar.map_or(&[], RadarTracks::tracks));
-            self.enter_if(self.memory.is_missed(), Level::LeadPredicted);
+            self.enter_if(self.memory.is_missed, Level::LeadPredicted);
         } else if unseen_s > self.stale_radar_s + PREDICT_S {
             // Radar came while the ego's motion was not known: it was of no use then.
             let is_lost = self.recovery.observe(Part::LostRadar, false);
@@ -197,7 +198,7 @@ impl Ladder {
         let sight = self.caution.settle(radar.map(RadarTracks::sight), input.period_s);
         self.enter_if(Caution::heed(sight, input), Level::SensorLimited);
         let is_blind =
-            self.memory.is_missed() || unseen_s > self.stale_radar_s || sight == Sight::Blind;
+            self.memory.is_missed || unseen_s > self.stale_radar_s || sight == Sight::Blind;
         self.caution.observe(is_blind, input);
         self.caution.slow_down(sight, input);
         self.departure.observe(input);
@@ -225,11 +226,6 @@ impl Ladder {
         self.enter_if(failed, Level::SolveFailed);
         self.enter_if(output.quality == Quality::FallBack, Level::OutsideEnvelope);
         self.level
-    }
-
-    /// Age from which odometry is of no use, s.
-    pub fn stale_odometry_s(&self) -> f64 {
-        self.stale_odometry_s
     }
 
     /// Writes a plan that brakes to standstill, in place of the law's and within its bounds. Braking is comfortable, or

@@ -233,7 +233,7 @@ impl Loop {
             time_s,
         );
         let age = |acquisition_ns: i64| time_s - acquisition_ns as f64 / 1e9;
-        let stale_s = self.ladder.stale_odometry_s();
+        let stale_s = self.ladder.stale_odometry_s;
         let fresh = odometry.filter(|odometry| age(odometry.header.acquisition_ns) <= stale_s);
         let ego = match fresh {
             Some(odometry) => {

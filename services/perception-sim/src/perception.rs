@@ -50,13 +50,14 @@ pub struct Perception {
     /// Room for the present scene, and for one before it.
     rooms: [Scene; 2],
     quality: Quality,
-    received: Received,
+    /// Number of detections that the last step wrote, and number of those without room.
+    pub received: Received,
     detections: u64,
     detections_left_out: u64,
     list: TrackList,
     ego_speed: EgoSpeed,
     /// The ego's motion that the tracker worked with.
-    known: Ego,
+    pub known: Ego,
 }
 
 #[derive(Clone, Debug)]
@@ -253,11 +254,6 @@ impl Perception {
         };
     }
 
-    /// The ego's motion that the tracker assumed at the last scan.
-    pub fn known(&self) -> Ego {
-        self.known
-    }
-
     /// The ego's speed at the last scan as standing objects show it, m/s, and the detections behind it.
     pub fn measured_ego_speed(&self) -> Option<(f64, u64)> {
         self.ego_speed.measured()
@@ -278,11 +274,6 @@ impl Perception {
             Sensor::Ideal(_) => None,
             Sensor::Tracked(both) => Some(&both.1),
         }
-    }
-
-    /// Number of detections that the last step wrote, and number of those without room.
-    pub fn received(&self) -> Received {
-        self.received
     }
 
     /// Figures of how well the tracks have matched the traffic.

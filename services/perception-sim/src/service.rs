@@ -158,14 +158,14 @@ impl DetectionOutput {
         perception: &Perception,
     ) -> Result<(), RuntimeError> {
         let Some(port) = &mut self.port else { return Ok(()) };
-        let received = perception.received();
+        let received = perception.received;
         // Clear leftovers of the previous message; the rest is already zero.
         let before = message.detections().len();
         if let Some(left_over) = message.detections.get_mut(received.count..before) {
             left_over.fill(Detection::zeroed());
         }
         message.header = header;
-        message.ego_speed_mps = perception.known().speed_mps;
+        message.ego_speed_mps = perception.known.speed_mps;
         message.left_out = received.left_out;
         message.count = received.count as u64;
         port.send(message).map(|_| ())

@@ -66,7 +66,7 @@ fn a_steady_state_rests_and_its_steering_angle_is_that_of_the_circle() {
             derivatives(&keys, [slip.lateral_mps, slip.yaw_radps], steering_rad, speed_mps);
         assert!(lateral.abs() < 1e-9 && yaw.abs() < 1e-9, "{lateral} {yaw}");
     }
-    assert_eq!(track.front_m(), keys.cg_share.value() * keys.wheelbase_m.value());
+    assert_eq!(track.front_m, keys.cg_share.value() * keys.wheelbase_m.value());
 }
 
 /// Closing speed of an ego at 15 m/s on a body at its own place, sampled a second ago.

@@ -60,7 +60,7 @@ impl Outline {
         }
         // The messages have the content of a damaged summary.
         outline.statistics.take_if(|_| !intact);
-        let left = source.length() - at;
+        let left = source.length - at;
         let magic = MAGIC.len() as u64;
         let is_whole = footed && left >= magic && window.bytes(at, MAGIC.len())? == MAGIC;
         match left.checked_sub(magic).filter(|_| is_whole) {

@@ -61,7 +61,7 @@ impl Recording {
         let foreign =
             |reason: &str| ReadError::Foreign { path: place.clone(), reason: reason.into() };
         let failed = |reason| ReadError::File { path: place.clone(), reason };
-        match source.length() {
+        match source.length {
             0 => return Err(foreign("it is empty")),
             length if length < MAGIC.len() as u64 => return Err(foreign("it is not an MCAP file")),
             _ => {}
@@ -80,7 +80,7 @@ impl Recording {
         // The topics come before the first message.
         let mut records = recording.records();
         records.next();
-        recording.definitions = records.into_definitions();
+        recording.definitions = records.definitions;
         if let Some(topic) = recording.definitions.other_layout() {
             let topic = topic.to_owned();
             let Self { path, metadata, .. } = recording;
@@ -98,7 +98,7 @@ impl Recording {
     }
 
     pub fn file_bytes(&self) -> u64 {
-        self.source.length()
+        self.source.length
     }
 
     /// Facts about the run.

@@ -62,7 +62,8 @@ pub struct Records {
     left: Range<u64>,
     epoch_ns: i64,
     topics: Vec<Topic>,
-    definitions: Definitions,
+    /// The definitions that were met up to here.
+    pub(crate) definitions: Definitions,
     /// The present chunk, unpacked, and its messages that were not given.
     chunk: Arc<Vec<u8>>,
     entries: VecDeque<Entry>,
@@ -126,11 +127,6 @@ impl Records {
     /// Damage up to here.
     pub fn damage(&self) -> &[Damage] {
         &self.damage
-    }
-
-    /// The definitions that were met up to here.
-    pub(crate) fn into_definitions(self) -> Definitions {
-        self.definitions
     }
 
     /// Reads on until there are messages, or to the end of the data.

@@ -20,7 +20,8 @@ enum Place {
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
     place: Place,
-    length: u64,
+    /// Bytes of the whole, as they were when it was opened.
+    pub(crate) length: u64,
 }
 
 impl Source {
@@ -31,11 +32,6 @@ impl Source {
 
     pub(crate) fn of_bytes(bytes: &[u8]) -> Self {
         Self { place: Place::Memory(bytes.into()), length: bytes.len() as u64 }
-    }
-
-    /// Bytes of the whole, as they were when it was opened.
-    pub(crate) fn length(&self) -> u64 {
-        self.length
     }
 
     fn read_at(&self, at: u64, into: &mut [u8]) -> io::Result<()> {

@@ -58,7 +58,7 @@ impl Quantity {
 #[derive(Clone, Debug)]
 pub struct CellMap {
     quantity: Quantity,
-    cell_m: f64,
+    pub cell_m: f64,
     shift_m: f64,
     noise: f64,
     ends_at_m: f64,
@@ -90,10 +90,6 @@ impl CellMap {
             ends_at_m: faults.ends_at_m.map_or(f64::INFINITY, |end| end.value()),
             seed: scenario.seed.value(),
         }
-    }
-
-    pub fn cell_m(&self) -> f64 {
-        self.cell_m
     }
 
     /// The road from the ego's cell on; writes the means of the known cells.
@@ -160,9 +156,9 @@ mod tests {
             let Quantity::Grade(road) = &map.quantity else { panic!("a map of grades") };
             for ego_m in [0.0, 49.9, 1234.5] {
                 let (ahead, grades) = ahead(&map, ego_m);
-                assert!(ahead.first_cell_m <= ego_m && ego_m < ahead.first_cell_m + map.cell_m());
-                assert!(ahead.first_cell_m + ahead.count as f64 * map.cell_m() >= ego_m + 2000.0);
-                let middle_m = ahead.first_cell_m + 10.5 * map.cell_m();
+                assert!(ahead.first_cell_m <= ego_m && ego_m < ahead.first_cell_m + map.cell_m);
+                assert!(ahead.first_cell_m + ahead.count as f64 * map.cell_m >= ego_m + 2000.0);
+                let middle_m = ahead.first_cell_m + 10.5 * map.cell_m;
                 assert!((grades[10] - road.grade(middle_m)).abs() < 1e-12);
             }
         }
@@ -212,7 +208,7 @@ mod tests {
             let map = map("");
             let (known, curvatures) = ahead(&map, 137.5);
             assert_eq!(known, Ahead { first_cell_m: 125.0, count: MAX_CURVE_CELLS });
-            let at = |place_m: f64| curvatures[((place_m - 125.0) / map.cell_m()) as usize];
+            let at = |place_m: f64| curvatures[((place_m - 125.0) / map.cell_m) as usize];
             assert_eq!(at(200.0), 0.0);
             // The spiral gets to 1/500 over 80 m: the middle of its second cell is 37.5 m along it.
             assert!((at(330.0) - 37.5 / 80.0 / 500.0).abs() < 1e-9, "{}", at(330.0));

@@ -233,7 +233,7 @@ impl Previews {
             let ahead = map.ahead(ego_m, &mut message.grades);
             message.count = ahead.count as u64;
             message.first_cell_m = ahead.first_cell_m;
-            message.cell_m = map.cell_m();
+            message.cell_m = map.cell_m;
             message.speed_limit_mps = speed_limit_mps;
         })?;
         Ok(())
@@ -259,7 +259,7 @@ impl Bends {
             let ahead = map.ahead(ego_m, &mut message.curvatures);
             message.count = ahead.count as u64;
             message.first_cell_m = ahead.first_cell_m;
-            message.cell_m = map.cell_m();
+            message.cell_m = map.cell_m;
         })?;
         Ok(())
     }

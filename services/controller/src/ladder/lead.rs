@@ -99,7 +99,8 @@ pub(super) struct LeadMemory {
     /// The same lead up to [`EARLIER_S`] before the last, and as long again before that.
     recent: Option<LastSeen>,
     earlier: Option<LastSeen>,
-    is_missed: bool,
+    /// True if the newest fresh sample misses the lead.
+    pub(super) is_missed: bool,
 }
 
 impl LeadMemory {
@@ -148,11 +149,6 @@ impl LeadMemory {
         }
     }
 
-    /// True if the newest fresh sample misses the lead.
-    pub(super) fn is_missed(&self) -> bool {
-        self.is_missed
-    }
-
     /// The lead as it was last seen.
     pub(super) fn last(&self) -> Option<&LastSeen> {
         self.last.as_ref()
@@ -189,13 +185,13 @@ mod tests {
     fn a_lead_that_disappears_is_assumed_to_go_on_until_its_time_is_over() {
         let mut memory = seen(2.0, 30.0, -4.0);
         let assumed = memory.see(&input(3.0, None), &[]).expect("it is missed");
-        assert!(memory.is_missed());
+        assert!(memory.is_missed);
         // 20 m/s of both; the lead lost 2 m and 4 m/s in a second.
         assert!((assumed.gap_m - 28.0).abs() < 1e-9);
         assert_eq!((assumed.relative_speed_mps, assumed.acceleration_mps2), (-4.0, -4.0));
         assert!(memory.see(&input(2.0 + HOLD_S, None), &[]).is_some());
         assert_eq!(memory.see(&input(2.1 + HOLD_S, None), &[]), None);
-        assert!(!memory.is_missed());
+        assert!(!memory.is_missed);
     }
 
     #[test]
@@ -219,7 +215,7 @@ mod tests {
         assert_eq!(beyond.map(|target| target.track_id), Some(1));
         let near = memory.see(&input(2.2, lead(3, 33.0, 0.0)), &[listed(3)]);
         assert_eq!(near.map(|target| target.track_id), Some(3));
-        assert!(!memory.is_missed());
+        assert!(!memory.is_missed);
     }
 
     #[test]
@@ -241,7 +237,7 @@ mod tests {
             };
             let seen = memory.see(&input(2.5, Some(target)), &[listed(2)]).expect("a target");
             assert_eq!(seen.track_id == 2, is_lead, "{gap_m} {relative_mps}");
-            assert_eq!(memory.is_missed(), !is_lead);
+            assert_eq!(memory.is_missed, !is_lead);
         }
     }
 

@@ -65,7 +65,7 @@ pub fn drive(
         );
         ego.advance(road);
         let (time_s, position_m) = (ego.time_s(), here.position_m);
-        let detections = &detections[..perception.received().count];
+        let detections = &detections[..perception.received.count];
         if !each(&Scan { time_s, position_m, perception, tracks: &tracks, detections }) {
             return;
         }

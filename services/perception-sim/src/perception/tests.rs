@@ -162,7 +162,7 @@ fn detections_belong_to_their_scan() {
         let mut scans = Vec::new();
         for k in 0..100u64 {
             let list = watch.step(k * PERIOD_NS, &ego(k * PERIOD_NS, 22.0));
-            let count = watch.perception.received().count;
+            let count = watch.perception.received.count;
             scans.push((list.acquisition_ns, watch.detections[..count].to_vec()));
         }
         scans

@@ -108,7 +108,7 @@ impl Lateral {
             sensor: YawRateSensor::new(&keys.yaw_rate, period_s, offset),
             seed,
             period_s,
-            to_bumper_m: track.front_m() + overhang_m,
+            to_bumper_m: track.front_m + overhang_m,
             noise,
             state: State::default(),
         };

@@ -22,7 +22,7 @@ const DYNAMIC_MPS: f64 = 5.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingleTrack {
     /// Distance of the centre of gravity from the front and the rear axle, m.
-    front_m: f64,
+    pub front_m: f64,
     rear_m: f64,
     /// Cornering stiffness by mass, m/s² per rad.
     front_stiffness: f64,
@@ -59,11 +59,6 @@ impl SingleTrack {
             slip_rad_per_mps2: slip,
             understeer_rad_per_mps2: front_slip - slip,
         }
-    }
-
-    /// Distance from the centre of gravity to the front axle, m.
-    pub fn front_m(&self) -> f64 {
-        self.front_m
     }
 
     /// Steering angle of a circle of this curvature, rad.

@@ -85,7 +85,7 @@ impl DynamicProgramming {
         let gamma = self.prices.energy_gpj;
         let square = self.keys.plan.terminal_square.unwrap_or(TERMINAL_SQUARE);
         for values in &mut self.values[steps] {
-            for (value, &energy_j) in values.iter_mut().zip(self.grid.energies_j()) {
+            for (value, &energy_j) in values.iter_mut().zip(&self.grid.energy_j) {
                 let above_j = energy_j - set_j;
                 *value = gamma * above_j * (square * above_j / set_j - 1.0);
             }

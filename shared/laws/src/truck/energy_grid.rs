@@ -71,7 +71,8 @@ const LANES: usize = 4;
 pub struct EnergyGrid {
     truck: Truck,
     bounds: BoundKeys,
-    energy_j: Vec<f64>,
+    /// Energies of the nodes, in ascending order, J.
+    pub energy_j: Vec<f64>,
     speed_mps: Vec<f64>,
     end_cost_gpm: Vec<f64>,
     curves: [Vec<GearCurve>; PLANNED_GEARS],
@@ -126,11 +127,6 @@ impl EnergyGrid {
     #[expect(clippy::len_without_is_empty, reason = "a grid has nodes")]
     pub fn len(&self) -> usize {
         self.energy_j.len()
-    }
-
-    /// Energies of the nodes, in ascending order, J.
-    pub fn energies_j(&self) -> &[f64] {
-        &self.energy_j
     }
 
     /// Lowest and highest energy, J.

@@ -148,7 +148,7 @@ impl Predictive {
             return;
         }
         // The rest of the plan, by the plan's own speeds.
-        let plan = self.state.tracking.plan();
+        let plan = &self.state.tracking.plan;
         let (mut position_m, mut speed_mps) = (input.ego.position_m, speed_mps);
         for request in 1..REQUESTS.min(MAX_PLAN) {
             position_m += speed_mps * input.period_s;
@@ -264,7 +264,7 @@ impl Law for Predictive {
             self.state.price.lag_s(),
             target.map_or(0.0, |target| target.gap_m),
             demand.service_brake_n,
-            self.state.tracking.plan().end_m() - ego.position_m,
+            self.state.tracking.plan.end_m() - ego.position_m,
         ];
         output.bound_figures();
     }

@@ -21,7 +21,7 @@ const AHEAD_S: f64 = 0.3;
 /// The plan in hand and the question that is out.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tracking {
-    plan: Plan,
+    pub(crate) plan: Plan,
     /// Conditions for which the plan was made.
     gear: usize,
     limits_mps: (f64, f64),
@@ -54,10 +54,6 @@ impl Tracking {
 
     pub(crate) fn drop_plan(&mut self) {
         self.plan.len = 0;
-    }
-
-    pub(crate) fn plan(&self) -> &Plan {
-        &self.plan
     }
 
     /// The plan at present; `None` when there is none or it is stale.

@@ -149,7 +149,7 @@ impl Riccati {
     /// Phase 3.
     fn interior(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Ending {
         let n = problem.horizon;
-        self.inputs[..n].copy_from_slice(&self.active.early_inputs()[..n]);
+        self.inputs[..n].copy_from_slice(&self.active.early_inputs[..n]);
         for start in &STARTS {
             problem.roll_out(&self.inputs, &mut self.states);
             let (inputs, states) = (&self.inputs[..n], &self.states[..=n]);
@@ -171,7 +171,7 @@ impl Riccati {
             self.iterations += 1;
             self.interior_iterations += 1;
             let Some(step) = self.interior.iterate(problem, lq) else { break };
-            let residual = self.interior.remaining_residual();
+            let residual = self.interior.residual;
             if iteration == 1 {
                 first_mu = step.mu;
             }

@@ -43,7 +43,7 @@ pub(super) struct Channel<Q, A> {
     filled: usize,
     /// The question that is not answered yet, and since when.
     asked: Option<(u64, Instant)>,
-    next: u64,
+    pub(super) next: u64,
     records: PhantomData<(Q, A)>,
 }
 
@@ -55,10 +55,6 @@ impl<Q: Pod, A: Pod> Channel<Q, A> {
         let part = vec![0; size_of::<A>()];
         let records = PhantomData;
         Ok(Self { questions, answers, part, filled: 0, asked: None, next: 1, records })
-    }
-
-    pub(super) fn next_number(&self) -> u64 {
-        self.next
     }
 
     /// Time since which a question is not answered.
@@ -178,7 +174,7 @@ mod tests {
     }
 
     fn ask(channel: &mut LawChannel) -> Result<(), ChannelError> {
-        let sequence = channel.next_number();
+        let sequence = channel.next;
         channel.ask(&LawInput { sequence, ..LawInput::zeroed() })
     }
 

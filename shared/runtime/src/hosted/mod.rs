@@ -154,7 +154,7 @@ impl<Q: Pod + Send, A: Pod + Send> Hosting<Q, A> {
                 false => Ok(Reply::Late),
             };
         }
-        channel.ask(&question(channel.next_number(), self.forget))?;
+        channel.ask(&question(channel.next, self.forget))?;
         self.forget = false;
         Ok(match channel.answer(deadline)? {
             Some(answer) => Reply::Answer(Box::new(answer)),

@@ -46,7 +46,7 @@ impl Bound {
         let empty = || [(); PLANNED_GEARS].map(|()| vec![0.0; nodes]);
         let mut values: Vec<Values> = (0..=steps).map(|_| empty()).collect();
         for gear in &mut values[steps] {
-            for (value, &energy_j) in gear.iter_mut().zip(grid.energies_j()) {
+            for (value, &energy_j) in gear.iter_mut().zip(&grid.energy_j) {
                 *value = -prices.energy_gpj * energy_j;
             }
         }

@@ -74,7 +74,7 @@ pub(super) struct ActiveSet {
     response: RowResponse,
     next_sides: Vec<Side>,
     /// Inputs of the last early trajectory ([`EARLY_ROUNDS`]).
-    early_inputs: Vec<f64>,
+    pub(super) early_inputs: Vec<f64>,
 }
 
 impl ActiveSet {
@@ -89,11 +89,6 @@ impl ActiveSet {
             next_sides: vec![Side::Free; max_horizon],
             early_inputs: vec![0.0; max_horizon],
         }
-    }
-
-    /// Returns the inputs of the last early round of the last cold attempt.
-    pub(super) fn early_inputs(&self) -> &[f64] {
-        &self.early_inputs
     }
 
     /// Solves; returns whether the attempt settled, and the number of rounds. The point is that of the last round.

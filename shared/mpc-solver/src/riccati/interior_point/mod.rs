@@ -100,7 +100,7 @@ pub(super) struct InteriorPoint {
     terminal: [f64; 3],
     /// Remaining fraction of the first iterate's linear residuals: the product of `1 − length` over
     /// the steps.
-    residual: f64,
+    pub(super) residual: f64,
     cost: Cost,
     /// Inputs of the barriers, and the states that follow from them.
     iterate: Vec<PathBlock>,
@@ -348,11 +348,6 @@ impl InteriorPoint {
     /// Writes the guess of the active set that the last step suggests.
     pub(super) fn suggest(&self, problem: &Problem, guess: &mut WorkingSet) {
         self.barriers.suggest(problem, guess, &self.terminal);
-    }
-
-    /// Returns the remaining fraction of the first iterate's linear residuals.
-    pub(super) fn remaining_residual(&self) -> f64 {
-        self.residual
     }
 
     /// Copies the inputs of the iterate to `inputs`, within their bounds.
