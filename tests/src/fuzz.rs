@@ -207,7 +207,8 @@ pub fn storyboard(bytes: &[u8]) {
 
 /// Drives an accepted scenario beside an ego that keeps its speed. False when it was refused.
 fn drive(files: &OneFile<'_>) -> bool {
-    let Ok(read) = openscenario::read::scenario(Path::new("fuzz.xosc"), files, &[]) else {
+    let Ok(read) = openscenario::read::scenario(Path::new("fuzz.xosc"), files, &Default::default())
+    else {
         return false;
     };
     let (ego, entities) = (read.script.ego, read.script.entities.len());

@@ -2,7 +2,7 @@
 //! names folders with them, separated by `:`, at any depth.
 
 use openscenario::variation::Variation;
-use openscenario::{Disk, ReadError, World, read};
+use openscenario::{Choices, Disk, ReadError, World, read};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -43,7 +43,8 @@ fn files(element: &str) -> Vec<PathBuf> {
 
 /// Reads and moves one scenario; returns its end, s.
 fn end_of(path: &Path) -> Option<f64> {
-    let read = read::scenario(path, &Disk, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let read =
+        read::scenario(path, &Disk, &Choices::default()).unwrap_or_else(|error| panic!("{error}"));
     let mut world = World::new(read.script).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let ego = world.script().ego;
     let mut motion = world.motion(ego);
@@ -68,7 +69,8 @@ fn alks_variations_make_scenarios() {
         let variation = Variation::open(&path, &Disk).unwrap_or_else(|error| panic!("{error}"));
         let (mut right, mut left_out) = (0, 0);
         for index in (0..variation.len()).step_by((variation.len() / 50).max(1) | 1) {
-            match read::scenario(&variation.scenario, &Disk, &variation.get(index)) {
+            let choices = Choices { assigned: variation.get(index), ..Choices::default() };
+            match read::scenario(&variation.scenario, &Disk, &choices) {
                 Ok(read) => {
                     World::new(read.script).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
                     right += 1;

@@ -17,12 +17,13 @@
 //! A car cuts in 40 m ahead of an ego that keeps its speed:
 //!
 //! ```
-//! use openscenario::{Assignment, Disk, World, read};
+//! use openscenario::{Assignment, Choices, Disk, World, read};
 //! use std::path::Path;
 //!
 //! let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/openscenario");
 //! let gap = Assignment { name: "Gap_m".to_owned(), value: "40".to_owned() };
-//! let scenario = read::scenario(&examples.join("cut_in.xosc"), &Disk, &[gap])?;
+//! let choices = Choices { assigned: vec![gap], ..Choices::default() };
+//! let scenario = read::scenario(&examples.join("cut_in.xosc"), &Disk, &choices)?;
 //! let mut world = World::new(scenario.script)?;
 //! let (ego, cutter) = (world.script().ego, world.script().entity("Cutter").expect("a car"));
 //! let mut motion = world.motion(ego);

@@ -48,14 +48,15 @@ pub struct Choices {
     pub ego: Option<String>,
 }
 
-/// Reads a scenario file with its catalogs and its road. `assigned` values replace the declared ones.
+/// Reads a scenario file with its catalogs and its road, by the user's choices.
 ///
 /// ```no_run
-/// use openscenario::{Assignment, Disk, read};
+/// use openscenario::{Assignment, Choices, Disk, read};
 /// use std::path::Path;
 ///
 /// let speed = Assignment { name: "Ego_Speed".to_owned(), value: "20".to_owned() };
-/// let scenario = read::scenario(Path::new("cut_in.xosc"), &Disk, &[speed])?;
+/// let choices = Choices { assigned: vec![speed], ..Choices::default() };
+/// let scenario = read::scenario(Path::new("cut_in.xosc"), &Disk, &choices)?;
 /// for notice in &scenario.notices {
 ///     println!("{notice}");
 /// }
@@ -65,19 +66,6 @@ pub struct Choices {
 /// # Errors
 /// At the first part that is not well-formed, is outside the subset, or cannot be simulated.
 pub fn scenario(
-    path: &Path,
-    source: &dyn Source,
-    assigned: &[Assignment],
-) -> Result<Scenario, ReadError> {
-    let choices = Choices { assigned: assigned.to_vec(), ..Choices::default() };
-    scenario_by(path, source, &choices)
-}
-
-/// Reads a scenario file as [`scenario`] does, by the user's choices.
-///
-/// # Errors
-/// As [`scenario`].
-pub fn scenario_by(
     path: &Path,
     source: &dyn Source,
     choices: &Choices,

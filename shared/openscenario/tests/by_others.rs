@@ -36,7 +36,7 @@ fn with_head(version: &str, entries: &str, assigned: &str) -> Result<Scenario, R
     let files =
         [("dir/a.xosc", text), ("dir/cars/c.xosc", catalog), ("dir/road.xodr", ROAD.into())];
     let files = files.into_iter().map(|(path, text)| (path.into(), text)).collect();
-    scenario(Path::new("dir/a.xosc"), &Files(files), &[])
+    scenario(Path::new("dir/a.xosc"), &Files(files), &Default::default())
 }
 
 /// The same with a catalog of a version.
@@ -153,7 +153,7 @@ fn the_ego_may_be_the_hero_or_the_only_entity() {
     let read = |text: String| {
         let files = [("dir/a.xosc", text), ("dir/road.xodr", ROAD.to_owned())];
         let files = files.into_iter().map(|(path, text)| (path.into(), text)).collect();
-        scenario(Path::new("dir/a.xosc"), &Files(files), &[])
+        scenario(Path::new("dir/a.xosc"), &Files(files), &Default::default())
     };
     read(text).expect("the hero is the ego");
     let alone = format!(

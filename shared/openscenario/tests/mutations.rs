@@ -189,7 +189,7 @@ fn drive(files: &Changed<'_>) -> bool {
     if let Err(error) = Variation::open(files.path, files) {
         one_line(error.to_string());
     }
-    let read = match read::scenario(files.path, files, &[]) {
+    let read = match read::scenario(files.path, files, &Default::default()) {
         Ok(read) => read,
         Err(error) => {
             one_line(error.to_string());

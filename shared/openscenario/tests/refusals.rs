@@ -130,7 +130,11 @@ fn catalogs_and_entries_that_are_missing() {
             .replace("</Entities>", &format!("{object}</Entities>"));
         all.insert("dir/a.xosc".into(), text);
         all.insert("dir/road.xodr".into(), ROAD.to_owned());
-        openscenario::read::scenario(std::path::Path::new("dir/a.xosc"), &Files(all), &[])
+        openscenario::read::scenario(
+            std::path::Path::new("dir/a.xosc"),
+            &Files(all),
+            &Default::default(),
+        )
     };
     let location = "<VehicleCatalog><Directory path=\"./cars\"/></VehicleCatalog>";
     let shown = with("", &[]).expect_err("no location").to_string();
@@ -176,7 +180,11 @@ fn the_ego_must_be_known_and_placed() {
     let read = |text: &str| {
         let files = [("dir/a.xosc", text), ("dir/road.xodr", ROAD)];
         let files = files.iter().map(|(path, text)| (path.into(), (*text).to_owned())).collect();
-        openscenario::read::scenario(std::path::Path::new("dir/a.xosc"), &Files(files), &[])
+        openscenario::read::scenario(
+            std::path::Path::new("dir/a.xosc"),
+            &Files(files),
+            &Default::default(),
+        )
     };
     let shown = read(&text).expect_err("no ego").to_string();
     assert!(
@@ -225,8 +233,12 @@ fn storyboard_references_are_looked_up() {
 fn a_missing_road_is_assumed_and_said() {
     let text = Parts::default().text();
     let files = [("dir/a.xosc".into(), text)].into_iter().collect();
-    let read = openscenario::read::scenario(std::path::Path::new("dir/a.xosc"), &Files(files), &[])
-        .expect("a road is assumed");
+    let read = openscenario::read::scenario(
+        std::path::Path::new("dir/a.xosc"),
+        &Files(files),
+        &Default::default(),
+    )
+    .expect("a road is assumed");
     assert_eq!(read.notices.len(), 2, "{:?}", read.notices);
     assert!(
         read.notices[0]

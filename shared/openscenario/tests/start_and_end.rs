@@ -5,8 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::*;
-use openscenario::read::scenario_by;
-use openscenario::{Choices, LaneHeadings, World};
+use openscenario::{Choices, LaneHeadings, World, read};
 
 /// The lead's direction along the reference line when it begins in a lane with an orientation.
 fn direction(lane: i32, orientation: &str, headings: LaneHeadings) -> f64 {
@@ -46,7 +45,7 @@ fn headings_of_a_file_of_esmini_count_from_the_traffic() {
         let files = [("dir/a.xosc", text), ("dir/road.xodr", ROAD.to_owned())];
         let files = Files(files.into_iter().map(|(path, text)| (path.into(), text)).collect());
         let choices = Choices { headings, ..Choices::default() };
-        let read = scenario_by(Path::new("dir/a.xosc"), &files, &choices).expect("it is sound");
+        let read = read::scenario(Path::new("dir/a.xosc"), &files, &choices).expect("it is sound");
         let noted = read.notices.iter().any(|notice| notice.contains("--lane-headings road"));
         let world = World::new(read.script).expect("it is sound");
         (world.motion(1).direction(), noted)

@@ -197,7 +197,6 @@ parameters! {
             /// Source of the gains: the certified design, or the paper as it is printed.
             gains: GainSource = GainSource::Certified;
             /// Path of a design file; absent: the design that comes with the law.
-            #[serde(skip_serializing_if = "Option::is_none")]
             design: Option<String> = None;
         }
     }

@@ -279,10 +279,8 @@ parameters! {
         /// Torques that it tries in each, beside those that hold a speed (inferred).
         torque_levels: u32 = 21, "1", 3.0..=101.0, "Inferred.";
         /// Weight q of the square in the terminal cost; absent: 1 for `paper-n2`, 0.5 for `dynamic-programming` (inferred).
-        #[serde(skip_serializing_if = "Option::is_none")]
         terminal_square: Option<f64> = None, "1", 0.0..=10.0, "Inferred.";
         /// Price of time in the first plan, over the flat's; absent: 1.6 for `paper-n2`, 1.3 else (inferred).
-        #[serde(skip_serializing_if = "Option::is_none")]
         time_price: Option<f64> = None, "1", 0.5..=5.0, "Inferred.";
     }
 }
@@ -312,25 +310,18 @@ parameters! {
     #[serde(deny_unknown_fields, default)]
     pub struct TruckKeys {
         /// Mass m, kg.
-        #[serde(skip_serializing_if = "Option::is_none")]
         mass_kg: Option<f64> = None, "kg", 3000.0..=100000.0, "Absent: the value of plant.vehicle.";
         /// Rolling resistance coefficient f.
-        #[serde(skip_serializing_if = "Option::is_none")]
         rolling_resistance: Option<f64> = None, "1", 0.001..=0.05, "Absent: the value of plant.vehicle.";
         /// Air drag area C_D A, m².
-        #[serde(skip_serializing_if = "Option::is_none")]
         drag_area_m2: Option<f64> = None, "m²", 0.5..=20.0, "Absent: the value of plant.vehicle.";
         /// Ratio of the axle i_0.
-        #[serde(skip_serializing_if = "Option::is_none")]
         final_drive: Option<f64> = None, "1", 1.0..=8.0, "Absent: the value of plant.vehicle.";
         /// Efficiency eta of gearbox and axle.
-        #[serde(skip_serializing_if = "Option::is_none")]
         driveline_efficiency: Option<f64> = None, "1", 0.5..=1.0, "Absent: the value of plant.vehicle.";
         /// Dynamic wheel radius r, m.
-        #[serde(skip_serializing_if = "Option::is_none")]
         wheel_radius_m: Option<f64> = None, "m", 0.2..=1.0, "Absent: the value of plant.vehicle.";
         /// Inertia of all wheels, kg m², which with the engine's gives the rotating-mass factor delta.
-        #[serde(skip_serializing_if = "Option::is_none")]
         wheel_inertia_kgm2: Option<f64> = None, "kg m²", 0.0..=2000.0, "Absent: the value of plant.vehicle.";
     }
 }

@@ -20,12 +20,13 @@ pub const MAX_RUNS: usize = 1_000_000;
 /// A variation file: a scenario, and the values of its parameters for each run.
 ///
 /// ```no_run
-/// use openscenario::{Disk, read, variation::Variation};
+/// use openscenario::{Choices, Disk, read, variation::Variation};
 /// use std::path::Path;
 ///
 /// let variation = Variation::open(Path::new("cut_in_variation.xosc"), &Disk)?;
 /// for run in 0..variation.len() {
-///     let scenario = read::scenario(&variation.scenario, &Disk, &variation.get(run))?;
+///     let choices = Choices { assigned: variation.get(run), ..Choices::default() };
+///     let scenario = read::scenario(&variation.scenario, &Disk, &choices)?;
 ///     println!("{:?}", scenario.parameters);
 /// }
 /// # Ok::<(), openscenario::ReadError>(())

@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use openscenario::read::{Scenario, scenario_by};
+use openscenario::read::{self, Scenario};
 use openscenario::{Assignment, Choices, LaneHeadings, Motion, ReadError, Source, World};
 
 /// Period of the steps, s.
@@ -105,7 +105,7 @@ impl Parts {
             .map(|(name, value)| Assignment { name: name.clone(), value: value.clone() })
             .collect();
         let choices = Choices { assigned, headings: self.headings, ego: self.ego.clone() };
-        scenario_by(Path::new("dir/a.xosc"), &Files(files), &choices)
+        read::scenario(Path::new("dir/a.xosc"), &Files(files), &choices)
     }
 
     pub fn run(&self) -> Run {

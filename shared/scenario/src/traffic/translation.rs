@@ -34,7 +34,7 @@ pub(crate) fn translated(
     choices: &Choices,
 ) -> Result<(Foreign, Storyboard), ScenarioError> {
     let file = path.display().to_string();
-    let read = read::scenario_by(path, &Disk, choices).map_err(|e| ScenarioError::whole_of(&e))?;
+    let read = read::scenario(path, &Disk, choices).map_err(|e| ScenarioError::whole_of(&e))?;
     let (script, spots) = (read.script, read.spots);
     let place_of = |spot: Spot| format!("{file}:{spot}");
     let world = World::new(script.clone()).map_err(|cause| {
