@@ -1,53 +1,39 @@
 //! The unit's verdict on each frame, and the counts of them.
 
 use its::DecodeError;
+use messages::numbered;
 use runtime::{Count, Figures, RuntimeError};
 use std::collections::BTreeMap;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Verdict {
-    /// New, and consistent with the rest.
-    Accepted,
-    /// Timing of a signal whose intersection has no map yet.
-    UnknownIntersection,
-    /// A map without a lane of the vehicle, or timing without the signal group of that lane.
-    MissingLane,
-    /// Older than the last used frame of its sender.
-    OutOfOrder,
-    /// The same bytes again.
-    Duplicated,
-    /// Made too long ago, or in the future, according to its stamps.
-    TooOld,
-    /// Inconsistent with another frame about the same intersection.
-    Contradicting,
-    /// Sent under the vehicle's own station id.
-    SameStationId,
-    /// A kind of message that the unit does not read.
-    UnknownMessage,
-    /// Signed, and the scenario ignores such frames.
-    Signed,
-    /// Headers or versions of another profile.
-    OtherProfile,
-    /// Not a frame.
-    Malformed,
-}
-
-impl Verdict {
-    /// All verdicts with their names in results, from the best to the worst.
-    pub const ALL: [(Self, &str); 12] = [
-        (Self::Accepted, "accepted"),
-        (Self::UnknownIntersection, "unknown_intersection"),
-        (Self::MissingLane, "missing_lane"),
-        (Self::OutOfOrder, "out_of_order"),
-        (Self::Duplicated, "duplicated"),
-        (Self::TooOld, "too_old"),
-        (Self::Contradicting, "contradicting"),
-        (Self::SameStationId, "same_station_id"),
-        (Self::UnknownMessage, "unknown_message"),
-        (Self::Signed, "signed"),
-        (Self::OtherProfile, "other_profile"),
-        (Self::Malformed, "malformed"),
-    ];
+numbered! {
+    /// A verdict on a frame, from the best to the worst.
+    #[derive(PartialOrd, Ord)]
+    pub enum Verdict {
+        /// New, and consistent with the rest.
+        Accepted = 0 "accepted",
+        /// Timing of a signal whose intersection has no map yet.
+        UnknownIntersection = 1 "unknown_intersection",
+        /// A map without a lane of the vehicle, or timing without the signal group of that lane.
+        MissingLane = 2 "missing_lane",
+        /// Older than the last used frame of its sender.
+        OutOfOrder = 3 "out_of_order",
+        /// The same bytes again.
+        Duplicated = 4 "duplicated",
+        /// Made too long ago, or in the future, according to its stamps.
+        TooOld = 5 "too_old",
+        /// Inconsistent with another frame about the same intersection.
+        Contradicting = 6 "contradicting",
+        /// Sent under the vehicle's own station id.
+        SameStationId = 7 "same_station_id",
+        /// A kind of message that the unit does not read.
+        UnknownMessage = 8 "unknown_message",
+        /// Signed, and the scenario ignores such frames.
+        Signed = 9 "signed",
+        /// Headers or versions of another profile.
+        OtherProfile = 10 "other_profile",
+        /// Not a frame.
+        Malformed = 11 "malformed",
+    }
 }
 
 impl From<&DecodeError> for Verdict {
@@ -81,7 +67,7 @@ impl Verdicts {
     /// # Errors
     /// [`RuntimeError::Setup`] if shared memory has no room.
     pub fn open(figures: &Figures) -> Result<Self, RuntimeError> {
-        let counts = Verdict::ALL.iter().map(|(_, name)| figures.count(name));
+        let counts = Verdict::ALL.iter().map(|verdict| figures.count(verdict.name()));
         counts.collect::<Result<_, _>>().map(Self)
     }
 
@@ -94,6 +80,6 @@ impl Verdicts {
     }
 
     pub fn by_name(&self) -> BTreeMap<String, u64> {
-        Verdict::ALL.iter().map(|(verdict, name)| ((*name).to_owned(), self.of(*verdict))).collect()
+        Verdict::ALL.iter().map(|verdict| (verdict.name().to_owned(), self.of(*verdict))).collect()
     }
 }

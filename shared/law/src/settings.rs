@@ -25,6 +25,19 @@ pub trait Settings: parameters::Table + Default + DeserializeOwned + Schema + Se
     }
 }
 
+/// Declares tables of a scenario file with the rows of [`parameters!`](parameters::parameters!).
+#[macro_export]
+macro_rules! settings {
+    ($($(#[$about:meta])* $seen:vis struct $table:ident { $($row:tt)* })+) => {$(
+        ::parameters::parameters! {
+            $(#[$about])*
+            #[derive(::serde::Deserialize, ::serde::Serialize, ::scenario::schema::Schema)]
+            #[serde(deny_unknown_fields, default)]
+            $seen struct $table { $($row)* }
+        }
+    )+};
+}
+
 /// A number of a law's table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Number {

@@ -31,9 +31,6 @@ use law::settings::{Settings, Table};
 use law::{
     Descriptor, Figure, Formulation, GapPolicy, Input, Law, ModeMemory, Output, Phase, SignalAhead,
 };
-use parameters::parameters;
-use scenario::schema::Schema;
-use serde::{Deserialize, Serialize};
 
 const TABLE: Table = Table::of::<SignalStop>("signal_stop");
 
@@ -55,10 +52,8 @@ pub static ACC_SIGNAL_STOP: Descriptor = Descriptor {
     },
 };
 
-parameters! {
+law::settings! {
     /// Settings of the driver who stops at signals; decelerations are positive numbers.
-    #[derive(Serialize, Deserialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct SignalStop {
         /// Distance from the stop line at which the signal's colour is seen, m.
         sight_m: f64 = 150.0, "m", 10.0..=1000.0,

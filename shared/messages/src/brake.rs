@@ -1,7 +1,7 @@
 //! Request of the emergency brake to the vehicle.
 
 use crate::layout::declare::*;
-use crate::numbered::numbered;
+use crate::numbered;
 
 numbered! {
     /// State of the emergency brake, by its number in messages.

@@ -1,7 +1,7 @@
 //! Signs of life.
 
 use crate::layout::declare::*;
-use crate::numbered::numbered;
+use crate::numbered;
 
 numbered! {
     /// Condition of a service, by its number in messages.

@@ -20,7 +20,7 @@
 //! Each service is on one level at a time: the lowest one (furthest down this table) that applies. The loss
 //! of the emergency brake is an exception: it shows only where nothing else does.
 
-use crate::numbered::numbered;
+use crate::numbered;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -1,6 +1,7 @@
 //! Enums whose numbers stand in messages and whose names stand in results: each variant is one row.
 
 /// Declares an enum: `Variant = number "name",`. Numbers count from the first row's upwards.
+#[macro_export]
 macro_rules! numbered {
     (
         $(#[$about:meta])*
@@ -18,7 +19,8 @@ macro_rules! numbered {
             /// All values, in the order of their numbers.
             pub const ALL: [Self; [$($number),+].len()] = [$(Self::$variant),+];
 
-            pub(crate) const NAMES: &'static [(u32, &'static str)] = &[$(($number, $name)),+];
+            /// Each number with its name.
+            pub const NAMES: &'static [(u32, &'static str)] = &[$(($number, $name)),+];
 
             /// Name in results.
             pub const fn name(self) -> &'static str {
@@ -37,4 +39,3 @@ macro_rules! numbered {
         }
     };
 }
-pub(crate) use numbered;

@@ -9,7 +9,7 @@
 //! # Ok::<(), messages::UnknownService>(())
 //! ```
 
-use crate::numbered::numbered;
+use crate::numbered;
 use serde::{Deserialize, Serialize};
 
 /// Key whose period a service has.

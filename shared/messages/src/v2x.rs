@@ -1,7 +1,7 @@
 //! Messages of the roadside unit, in the terms of SPATEM and MAPEM (SAE J2735).
 
 use crate::layout::declare::*;
-use crate::numbered::numbered;
+use crate::numbered;
 
 /// Most signals in one message.
 pub const MAX_SIGNALS: usize = 8;

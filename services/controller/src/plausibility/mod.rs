@@ -30,46 +30,32 @@ pub mod radar;
 
 use crate::report::CheckReport;
 use crate::sampling::Setting;
-use messages::{Odometry, RadarTracks, Spat};
+use messages::{Odometry, RadarTracks, Spat, numbered};
 use scenario::Scenario;
 use scenario::perception::RadarModel;
 
-/// A check of the inputs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Check {
-    /// Odometry's position against its speed.
-    SpeedAgainstPosition,
-    /// Odometry's change of speed against a vehicle's limits.
-    VehicleLimits,
-    /// Odometry's speed against the radar's.
-    SpeedAgainstRadar,
-    /// Odometry's standstill against the commands.
-    SpeedAgainstCommand,
-    /// A scan against the one before.
-    RadarFrozen,
-    /// Change of a range against its rate.
-    RangeRateAgainstRange,
-    /// Target against its track.
-    TargetAgainstTrack,
-    /// End of a shown phase against the time.
-    CountdownAgainstClock,
-    /// Announced ends against earlier ones.
-    CountdownAgainstHistory,
-}
-
-impl Check {
-    /// Names in results, in the order of the checks.
-    pub const NAMES: [&str; 9] = [
-        "speed-against-position",
-        "vehicle-limits",
-        "speed-against-radar",
-        "speed-against-command",
-        "radar-frozen",
-        "range-rate-against-range",
-        "target-against-track",
-        "countdown-against-clock",
-        "countdown-against-history",
-    ];
+numbered! {
+    /// A check of the inputs.
+    pub enum Check {
+        /// Odometry's position against its speed.
+        SpeedAgainstPosition = 0 "speed-against-position",
+        /// Odometry's change of speed against a vehicle's limits.
+        VehicleLimits = 1 "vehicle-limits",
+        /// Odometry's speed against the radar's.
+        SpeedAgainstRadar = 2 "speed-against-radar",
+        /// Odometry's standstill against the commands.
+        SpeedAgainstCommand = 3 "speed-against-command",
+        /// A scan against the one before.
+        RadarFrozen = 4 "radar-frozen",
+        /// Change of a range against its rate.
+        RangeRateAgainstRange = 5 "range-rate-against-range",
+        /// Target against its track.
+        TargetAgainstTrack = 6 "target-against-track",
+        /// End of a shown phase against the time.
+        CountdownAgainstClock = 7 "countdown-against-clock",
+        /// Announced ends against earlier ones.
+        CountdownAgainstHistory = 8 "countdown-against-history",
+    }
 }
 
 /// Findings of a check over a run.
@@ -86,7 +72,7 @@ pub struct Finding {
 /// Findings of each check.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Findings {
-    of: [Finding; Check::NAMES.len()],
+    of: [Finding; Check::ALL.len()],
 }
 
 impl Findings {
@@ -105,13 +91,13 @@ impl Findings {
 
     /// Report of the run: the checks that found a contradiction, and how near the others came.
     pub fn report(&self) -> Vec<CheckReport> {
-        let report = |(name, finding): (&str, &Finding)| CheckReport {
-            check: name.to_owned(),
+        let report = |(check, finding): (Check, &Finding)| CheckReport {
+            check: check.name().to_owned(),
             cycles: finding.cycles,
             first_s: finding.first_s,
             nearest: finding.nearest,
         };
-        Check::NAMES.into_iter().zip(&self.of).map(report).collect()
+        Check::ALL.into_iter().zip(&self.of).map(report).collect()
     }
 
     /// The finding of a check.

@@ -1,19 +1,13 @@
 //! Settings of the road formulation.
 
-use parameters::parameters;
-use scenario::schema::Schema;
-use serde::{Deserialize, Serialize};
-
 use law::settings::{Settings, Table, within};
 use scenario::Problem;
 
 /// The table of the road formulation.
 pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
 
-parameters! {
+law::settings! {
     /// Settings of the road formulation; all decelerations are positive numbers.
-    #[derive(Serialize, Deserialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct RoadConfig {
         /// Gap that is never given up knowingly, m; from 0.1 to `standstill_distance_m`.
         min_gap_m: f64 = 2.0, "m", 0.1..=50.0, "Chosen.";

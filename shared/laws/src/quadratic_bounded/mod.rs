@@ -88,10 +88,8 @@ pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, Stat
 
 use ::law::settings::{self, Table};
 use ::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader};
-use parameters::parameters;
 use scenario::Problem;
-use scenario::schema::Schema;
-use serde::{Deserialize, Serialize};
+use scenario::schema::tables;
 
 const TABLE: Table = Table::of::<Settings>("quadratic_bounded");
 
@@ -167,21 +165,19 @@ fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     Ok(Box::new(law.map_err(|error| settings::in_table(error, "controller.quadratic_bounded"))?))
 }
 
-/// Source of the gains.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
-#[serde(rename_all = "kebab-case")]
-pub enum GainSource {
-    /// The design, which is proven at every start.
-    #[default]
-    Certified,
-    /// The paper's output equation, of which nothing is proven: for study.
-    Printed,
+tables! {
+    /// Source of the gains.
+    pub enum GainSource {
+        /// The design, which is proven at every start.
+        #[default]
+        Certified,
+        /// The paper's output equation, of which nothing is proven: for study.
+        Printed,
+    }
 }
 
-parameters! {
+::law::settings! {
     /// Settings of the law outside its design, as `[controller.quadratic_bounded]` holds them.
-    #[derive(Deserialize, Serialize, Schema)]
-    #[serde(default, deny_unknown_fields)]
     pub struct Settings {
         /// Targets beyond this range are not followed, m.
         sensor_range_m: f64 = 150.0, "m", 1.0..=1000.0, "Chosen.";

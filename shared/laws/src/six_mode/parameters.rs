@@ -12,57 +12,49 @@
 //! The base: least gap 19.8 m, hardest braking 2.84 m/s², rms jerk 0.554 m/s³ (means of the scenes). There is no
 //! collision.
 
-use parameters::{Table as _, parameters};
-use scenario::Problem;
-use scenario::schema::Schema;
-use serde::{Deserialize, Serialize};
-
 use law::settings::{Settings, below};
+use parameters::Table as _;
+use scenario::Problem;
+use scenario::schema::tables;
 
 /// The paper's acceleration below the set speed and in the accelerate mode, m/s².
 const PAPER_ACCELERATION_MPS2: f64 = 1.0;
 
-/// Reading of the paper that drives.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Variant {
-    /// The paper with its misprints corrected and nothing added: for study, not for driving.
-    Literal,
-    /// The same modes with every listed trap cured.
-    #[default]
-    Robust,
+tables! {
+    /// Reading of the paper that drives.
+    pub enum Variant {
+        /// The paper with its misprints corrected and nothing added: for study, not for driving.
+        Literal,
+        /// The same modes with every listed trap cured.
+        #[default]
+        Robust,
+    }
+
+    /// Places of R_x and R_j; the literal variant has the paper's in any case.
+    pub enum Spacing {
+        /// The paper's fits: 4.5 s of time gap in R_x, no regulation of the gap between R_w and R_j.
+        Paper,
+        /// R_x is a time gap; above R_w the gap is regulated.
+        #[default]
+        TimeGap,
+    }
+
+    /// Division of the decelerate mode; the literal variant has the paper's regions in any case.
+    pub enum Parts {
+        /// Figure 3: three regions of relative speed and gap, in eight parts.
+        Regions,
+        /// Eight equal slices of the way from R_w to R_b, whatever the relative speed.
+        EqualSlices,
+        /// A line through the middles of the equal slices, from 0 at R_w on: no step of the request.
+        #[default]
+        Smooth,
+    }
 }
 
-/// Places of R_x and R_j; the literal variant has the paper's in any case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Spacing {
-    /// The paper's fits: 4.5 s of time gap in R_x, no regulation of the gap between R_w and R_j.
-    Paper,
-    /// R_x is a time gap; above R_w the gap is regulated.
-    #[default]
-    TimeGap,
-}
-
-/// Division of the decelerate mode; the literal variant has the paper's regions in any case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Parts {
-    /// Figure 3: three regions of relative speed and gap, in eight parts.
-    Regions,
-    /// Eight equal slices of the way from R_w to R_b, whatever the relative speed.
-    EqualSlices,
-    /// A line through the middles of the equal slices, from 0 at R_w on: no step of the request.
-    #[default]
-    Smooth,
-}
-
-parameters! {
+law::settings! {
     /// Parameters of the six-mode law; the default is the road set, which `six-mode` drives.
     ///
     /// Rows from `acceleration_mps2` on act in the robust variant only.
-    #[derive(Deserialize, Serialize, Schema)]
-    #[serde(default, deny_unknown_fields)]
     pub struct Parameters {
         /// a_h: the ego's full braking, m/s² (positive).
         braking_mps2: f64 = 6.0, "m/s²", above 0.0..=12.0,

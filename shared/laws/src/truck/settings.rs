@@ -18,39 +18,37 @@
 //! 27.5 s. These are means of the four; there is no collision.
 
 use law::settings::{self, Number};
-use parameters::parameters;
-use scenario::schema::Schema;
-use serde::{Deserialize, Serialize};
+use scenario::schema::tables;
 use truck_model::{Parameters, Truck};
 
 /// Least and largest request of the law, m/s².
 pub(super) const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
 
-/// Planner that drives.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
-#[serde(rename_all = "kebab-case")]
-pub enum PlannerKind {
-    /// Receding-horizon dynamic programming.
-    #[default]
-    DynamicProgramming,
-    /// The published scheme.
-    PaperN2,
-    /// None: a PI control of the set speed, the baseline of all savings.
-    ConstantSpeed,
+tables! {
+    /// Planner that drives.
+    pub enum PlannerKind {
+        /// Receding-horizon dynamic programming.
+        #[default]
+        DynamicProgramming,
+        /// The published scheme.
+        PaperN2,
+        /// None: a PI control of the set speed, the baseline of all savings.
+        ConstantSpeed,
+    }
+
+    /// Brakes that may slow the truck down beside its engine's drag.
+    pub enum Brakes {
+        /// Nothing, as published: the law commands engine torque, from drag to full load.
+        None,
+        /// The engine brake.
+        Engine,
+        /// The service brakes as well.
+        #[default]
+        Service,
+    }
 }
 
 impl PlannerKind {
-    pub const ALL: [Self; 3] = [Self::DynamicProgramming, Self::PaperN2, Self::ConstantSpeed];
-
-    /// Name in scenarios and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::DynamicProgramming => "dynamic-programming",
-            Self::PaperN2 => "paper-n2",
-            Self::ConstantSpeed => "constant-speed",
-        }
-    }
-
     /// Keys of the law's table that this planner does not use.
     pub(super) fn unused(self) -> &'static [&'static str] {
         // Those of every planner first, then those of `paper-n2` alone.
@@ -78,23 +76,9 @@ impl PlannerKind {
     }
 }
 
-/// Brakes that may slow the truck down beside its engine's drag.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Brakes {
-    /// Nothing, as published: the law commands engine torque, from drag to full load.
-    None,
-    /// The engine brake.
-    Engine,
-    /// The service brakes as well.
-    #[default]
-    Service,
-}
-
-parameters! {
+law::settings! {
     /// The law's table, `[controller.predictive]`.
-    #[derive(Copy, Deserialize, Serialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
+    #[derive(Copy)]
     pub struct Keys {
         /// Mean speed to keep on a free road, relative to the set speed.
         mean_speed: f64 = 1.0, "1", 0.8..=1.2, "At 0.8: rms jerk -6 %, fuel -15.7 %.";
@@ -172,10 +156,8 @@ impl TruckKeys {
     }
 }
 
-parameters! {
+law::settings! {
     /// The gap that is kept, and the mode that it puts the law in: equations (14) to (16).
-    #[derive(Deserialize, Serialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct GapKeys {
         /// Time headway tau behind the target, s (14).
         time_headway_s: f64 = 1.8, "s", 0.3..=5.0,
@@ -205,12 +187,8 @@ parameters! {
         /// Gap that stands for no target, m. A target farther away by more than its noise does not count (16).
         no_target_m: f64 = 200.0, "m", 50.0..=1000.0, "At 100: rms jerk -11 %, fuel -1.0 %; at 400: no change.";
     }
-}
 
-parameters! {
     /// Speed and acceleration behind a target: equations (17) and (18), whose control law is inferred.
-    #[derive(Deserialize, Serialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct FollowKeys {
         /// A target that is farther than this beyond d_max may be approached, m (inferred; 17).
         approach_from_m: f64 = 60.0, "m", 0.0..=1000.0,
@@ -234,12 +212,8 @@ parameters! {
         brake_from_mps2: f64 = 0.6, "m/s²", 0.0..=6.0,
             "At 0.3: no change; at 1.2: hardest braking +2 %, rms jerk +6 %.";
     }
-}
 
-parameters! {
     /// The bounds of a plan: step 3.
-    #[derive(Deserialize, Serialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct BoundKeys {
         /// Highest speed v_max above the set speed, km/h; the road's limit holds as well.
         above_set_kmh: f64 = 5.0, "km/h", 0.0..=30.0,
@@ -256,23 +230,15 @@ parameters! {
         full_load_share: f64 = 1.0, "1", 0.1..=1.0,
             "At 0.5: hardest braking +4 %, rms jerk +21 %, fuel -7.1 %.";
     }
-}
 
-parameters! {
     /// The road ahead and its reconstruction by `paper-n2`: steps 1 and 2.
-    #[derive(Deserialize, Serialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct RoadKeys {
         /// Road ahead that is planned with, m; the map shows no more than 64 of its cells.
         horizon_m: f64 = 2000.0, "m", 400.0..=3200.0,
             "At 1000: rms jerk +4 %, fuel -0.6 %; at 2500: rms jerk +3 %, fuel -2.6 %.";
     }
-}
 
-parameters! {
     /// The rolling optimisation: steps 4 to 6.
-    #[derive(Deserialize, Serialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct PlanKeys {
         /// Segments n that `paper-n2` plans.
         segments: u32 = 2, "1", 1.0..=3.0, "Source: the paper plans n = 2.";
@@ -283,12 +249,8 @@ parameters! {
         /// Price of time in the first plan, over the flat's; absent: 1.6 for `paper-n2`, 1.3 else (inferred).
         time_price: Option<f64> = None, "1", 0.5..=5.0, "Inferred.";
     }
-}
 
-parameters! {
     /// The Kalman filter of the radar's target (inferred: the paper says that there is one).
-    #[derive(Deserialize, Serialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct FilterKeys {
         /// Time constant of the target's acceleration, s.
         time_constant_s: f64 = 2.5, "s", 0.1..=60.0, "At 1.25: rms jerk -3 %; at 5: rms jerk +6 %.";
@@ -302,12 +264,8 @@ parameters! {
         /// Standard deviations beyond which a measurement is not used.
         gate: f64 = 5.0, "1", 1.0..=100.0, "At 2.5: hardest braking -3 %, rms jerk +3 %; at 10: rms jerk -6 %.";
     }
-}
 
-parameters! {
     /// The truck as the law assumes it: equations (19) to (22). Absent values are those of `plant.vehicle`.
-    #[derive(Deserialize, Serialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct TruckKeys {
         /// Mass m, kg.
         mass_kg: Option<f64> = None, "kg", 3000.0..=100000.0, "Absent: the value of plant.vehicle.";

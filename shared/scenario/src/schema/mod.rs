@@ -21,7 +21,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::Serialize;
 
-pub use scenario_derive::Schema;
+pub use scenario_derive::{Schema, tables};
 
 /// A type that reads a value of a scenario file.
 pub trait Schema: Sized + 'static {

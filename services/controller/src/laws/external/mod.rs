@@ -30,22 +30,17 @@ use crate::law::key;
 use crate::law::settings::{self, Table};
 use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader};
 use backup::Backup;
-use parameters::parameters;
 use record::Bounds;
 use runtime::hosted::Plan;
 use runtime::{Program, ProgramError, executable};
-use scenario::schema::Schema;
 use scenario::{Problem, Scenario};
-use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Duration;
 
 const TABLE: Table = Table::of::<Settings>("external");
 
-parameters! {
+crate::law::settings! {
     /// Settings of the law `external`.
-    #[derive(Serialize, Deserialize, Schema)]
-    #[serde(deny_unknown_fields, default)]
     pub struct Settings {
         /// Time that the program has for its first answer, and in simulated time for each, s.
         patience_s: f64 = 8.0, "s", 0.1..=600.0, "Chosen.";
