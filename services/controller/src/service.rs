@@ -73,7 +73,7 @@ fn run_built(
     let scenario = runtime.scenario();
     let mut controller = Loop::open(&mut runtime, &scenario, descriptor, law)?;
     runtime.begin(&scenario)?;
-    if runtime.clock().mode() == Mode::Realtime
+    if runtime.clock().mode == Mode::Realtime
         && let Some(hosted) = controller.law.hosted()
     {
         hosted.begin_realtime(&scenario);
@@ -298,7 +298,7 @@ impl Loop {
             self.law.step(input, &mut self.output);
             return Ok(());
         };
-        let left = match runtime.clock().mode() {
+        let left = match runtime.clock().mode {
             Mode::Lockstep => None,
             Mode::Realtime => {
                 let left_ns = release.scheduled_ns + self.deadline_ns - runtime.clock().now_ns();
@@ -324,7 +324,7 @@ impl Loop {
             program: self.law.hosted().map(|hosted| hosted.report()),
             mode_changes: self.account.mode_changes(self.formulation),
             rungs: self.account.levels.report(),
-            checks: self.plausibility.findings().report(),
+            checks: self.plausibility.findings.report(),
         }
     }
 }

@@ -39,7 +39,8 @@ const SETTLING_SCANS: u64 = 30;
 /// The other vehicles and all that the ego perceives of them.
 #[derive(Clone, Debug)]
 pub struct Perception {
-    traffic: Traffic,
+    /// The traffic; its state outlives the process.
+    pub traffic: Traffic,
     sensor: Sensor,
     /// The road, where it has a plan.
     road: Option<Arc<Axis>>,
@@ -304,11 +305,6 @@ impl Perception {
             true => self.traffic.has_road_ended(),
             false => self.road.as_ref().is_some_and(is_beyond),
         }
-    }
-
-    /// The traffic, for the state that outlives the process.
-    pub fn traffic(&mut self) -> &mut Traffic {
-        &mut self.traffic
     }
 
     /// The other vehicles as they truly are, in the scenario's order.

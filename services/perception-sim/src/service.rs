@@ -38,14 +38,14 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut output = DetectionOutput::open(&mut runtime, scenario.perception.model())?;
     let mut sumo = SumoWorld::open(&mut runtime, &scenario)?;
     let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
-    let mut checkpoint = match runtime.clock().mode() {
+    let mut checkpoint = match runtime.clock().mode {
         Mode::Realtime => Some(runtime.checkpoint::<Snapshot>()?),
         Mode::Lockstep => None,
     };
     if runtime.is_restarted()
         && let Some(kept) = checkpoint.as_mut().and_then(Checkpoint::restore)
     {
-        perception.traffic().restore(&kept);
+        perception.traffic.restore(&kept);
     }
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| {
@@ -66,12 +66,12 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let room = output.room(detections.as_mut());
         let in_plane = plane.as_ref().map(|plane| plane.ego(&ego, ego_truth.newest(), &release));
         if let (Some(sumo), Some(in_plane)) = (&mut sumo, &in_plane) {
-            sumo.advance(time_ns, &ego, in_plane, perception.traffic())?;
+            sumo.advance(time_ns, &ego, in_plane, &mut perception.traffic)?;
         }
         let map = plane.as_ref().and_then(|plane| plane.map(told));
         let list = *perception.step_in_plane(time_ns, &ego, told, in_plane, map.as_ref(), room);
         if let Some(checkpoint) = checkpoint.as_mut().filter(|_| !runtime.is_standby()) {
-            checkpoint.save(&perception.traffic().snapshot())?;
+            checkpoint.save(&perception.traffic.snapshot())?;
         }
 
         // Others wait for tracks and detections: these go first, the smaller before the larger.
@@ -115,7 +115,7 @@ fn follow(perception: &mut Perception, kept: Option<&mut Checkpoint<Snapshot>>, 
     let kept = kept.and_then(Checkpoint::restore);
     // A standby that is late by a period finds a state later than its own step.
     if let Some(kept) = kept.filter(|kept| kept.newest_ns() <= time_ns) {
-        perception.traffic().restore(&kept);
+        perception.traffic.restore(&kept);
     }
 }
 

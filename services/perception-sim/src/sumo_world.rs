@@ -50,7 +50,7 @@ impl SumoWorld {
             speed_mps: scenario.plant.initial_speed_mps.value(),
             most: scenario.actors.len(),
             shared: Seat::given(),
-            waits: runtime.clock().mode() == Mode::Lockstep,
+            waits: runtime.clock().mode == Mode::Lockstep,
         };
         let world = World::start(&settings, route, &mut Alone::default()).map_err(failed)?;
         let lane = |signal: &scenario::v2x::Signal| Lane {

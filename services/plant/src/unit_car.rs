@@ -116,7 +116,7 @@ impl UnitCar {
                     return Ok(());
                 }
                 Err(reason) => {
-                    let fault = format!("{} answered {reason}", self.program.plan().subject());
+                    let fault = format!("{} answered {reason}", self.program.plan.subject());
                     if moment.left.is_none() {
                         return Err(RuntimeError::Program(fault.into()));
                     }
@@ -160,7 +160,7 @@ impl UnitCar {
         let Life { failures, .. } = self.program.life();
         let faults: Vec<_> = self.refusal.clone().into_iter().chain(failures).collect();
         (self.own_periods > 0).then(|| {
-            let subject = self.program.plan().subject();
+            let subject = self.program.plan.subject();
             let periods = self.own_periods;
             let why = if faults.is_empty() { "it was late".to_owned() } else { faults.join("; ") };
             format!("{subject} was replaced by the plant's own car in {periods} periods: {why}")

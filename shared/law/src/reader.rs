@@ -5,14 +5,14 @@
 
 use crate::settings::{Settings, read};
 use scenario::controller::Controller;
-use scenario::plant::Plant;
 use scenario::{Problem, Reads, Scenario};
 use std::cell::RefCell;
 
 /// A scenario's settings for one law.
 #[derive(Debug)]
 pub struct Reader<'a> {
-    scenario: &'a Scenario,
+    /// The scenario, for what stands outside `[controller]`.
+    pub scenario: &'a Scenario,
     reads: RefCell<Reads>,
 }
 
@@ -65,23 +65,9 @@ impl<'a> Reader<'a> {
         Ok(settings)
     }
 
-    pub fn plant(&self) -> &'a Plant {
-        &self.scenario.plant
-    }
-
-    /// A reader for the law that takes over where this one fails.
-    pub fn of_backup(&self) -> Self {
-        Self::new(self.scenario)
-    }
-
     /// Counts what a backup law has read as read for it alone.
     pub fn keep_backup(&self, backup: Self) {
         self.reads.borrow_mut().backup(backup.reads());
-    }
-
-    /// The scenario, for what stands outside `[controller]`.
-    pub fn scenario(&self) -> &'a Scenario {
-        self.scenario
     }
 
     pub fn reads(self) -> Reads {

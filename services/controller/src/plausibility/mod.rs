@@ -125,7 +125,7 @@ pub struct Plausibility {
     motion: motion::Motion,
     radar: radar::Radar,
     countdown: countdown::Countdown,
-    findings: Findings,
+    pub findings: Findings,
 }
 
 impl Plausibility {
@@ -161,11 +161,6 @@ impl Plausibility {
             None => (None, false),
         };
         TrustedInputs { odometry, radar, spat, signals_doubted }
-    }
-
-    /// Findings of the checks so far.
-    pub fn findings(&self) -> &Findings {
-        &self.findings
     }
 }
 

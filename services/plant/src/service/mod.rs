@@ -29,7 +29,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let mut plant = Plant::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
-    if let (Mode::Realtime, Some(unit)) = (runtime.clock().mode(), plant.ego.unit()) {
+    if let (Mode::Realtime, Some(unit)) = (runtime.clock().mode, plant.ego.unit()) {
         unit.program.lend(&scenario);
     }
     if runtime.is_restarted() {
@@ -82,7 +82,7 @@ impl Plant {
             half_period: Duration::from_millis(scenario.plant.period_ms.value().into()) / 2,
             stopped_for_want_of_commands: false,
             levels: LevelLog::default(),
-            checkpoint: match runtime.clock().mode() {
+            checkpoint: match runtime.clock().mode {
                 Mode::Realtime => Some(runtime.checkpoint()?),
                 Mode::Lockstep => None,
             },
@@ -118,7 +118,7 @@ impl Plant {
         self.request_mps2 = actuation.request_mps2;
         let ceiling = (self.braking.as_mut())
             .and_then(|braking| braking.act(&release, now_ns, before.acceleration_mps2));
-        let left = match runtime.clock().mode() {
+        let left = match runtime.clock().mode {
             Mode::Lockstep => None,
             Mode::Realtime => Some(self.half_period),
         };

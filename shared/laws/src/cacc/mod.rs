@@ -83,7 +83,7 @@ pub(super) fn of(
 ) -> Result<(Box<dyn Law + Send>, Config), Problem> {
     let config = Config::of(reader, signals)?;
     let law = build(signals, &config)
-        .map_err(|problem| Config::in_scenario(problem, &reader.scenario().controller))?;
+        .map_err(|problem| Config::in_scenario(problem, &reader.scenario.controller))?;
     Ok((law, config))
 }
 

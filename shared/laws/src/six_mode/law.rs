@@ -40,9 +40,11 @@ pub(super) static FORMULATION: Formulation = Formulation {
 
 #[derive(Clone, Debug, Default)]
 pub struct SixMode {
-    parameters: Parameters,
+    pub parameters: Parameters,
     filter: TargetFilter,
-    mode: Option<Mode>,
+    /// Mode of the last step. `None` before the first; the literal law also has `None` while the paper's table has no
+    /// row for what it saw.
+    pub mode: Option<Mode>,
     reason: Reason,
     /// Time since the mode was entered, s.
     held_s: f64,
@@ -57,16 +59,6 @@ impl SixMode {
     pub fn new(parameters: Parameters) -> Result<Self, Problem> {
         parameters.check()?;
         Ok(Self { parameters, ..Self::default() })
-    }
-
-    pub fn parameters(&self) -> &Parameters {
-        &self.parameters
-    }
-
-    /// Mode of the last step. `None` before the first; the literal law also has `None` while the
-    /// paper's table has no row for what it saw.
-    pub fn mode(&self) -> Option<Mode> {
-        self.mode
     }
 
     fn robust(&self) -> bool {

@@ -74,7 +74,7 @@ impl Predictive {
 
     /// Lateness of the truck against its mean speed, s.
     pub fn lag_s(&self) -> f64 {
-        self.state.price.lag_s()
+        self.state.price.lag_s
     }
 
     /// Books the time against that of the truck that keeps `mean_mps`.
@@ -100,7 +100,7 @@ impl Predictive {
         let from_m = input.ego.position_m + target.gap_m.max(0.0);
         let grade = input
             .preview
-            .filter(|preview| preview.is_sound() && !self.state.trust.is_lost())
+            .filter(|preview| preview.is_sound() && !self.state.trust.lost)
             .and_then(|preview| preview.mean_grade(from_m, from_m + gap.slope_length_m));
         let spacing = Spacing::new(gap, speed_mps, target_mps, grade.unwrap_or(0.0));
         let mode = spacing.mode(gap, target, self.state.spacing_mode);
@@ -194,7 +194,7 @@ impl Law for Predictive {
         let target = input.target.as_ref().filter(|target| target.gap_m <= farthest_m);
         let target = self.state.filter.update(target, ego.acceleration_mps2, dt_s);
 
-        let distrusted = self.state.trust.is_lost();
+        let distrusted = self.state.trust.lost;
         if distrusted {
             self.state.tracking.drop_plan();
         }
@@ -261,7 +261,7 @@ impl Law for Predictive {
             demand.engine_torque_nm,
             gear as f64 + 1.0,
             price,
-            self.state.price.lag_s(),
+            self.state.price.lag_s,
             target.map_or(0.0, |target| target.gap_m),
             demand.service_brake_n,
             self.state.tracking.plan.end_m() - ego.position_m,

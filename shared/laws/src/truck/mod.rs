@@ -110,7 +110,7 @@ const BAD_INPUT: u32 = 7;
 
 fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     let keys: Keys = reader.table(TABLE.name)?;
-    let vehicle = reader.plant().vehicle;
+    let vehicle = reader.scenario.plant.vehicle;
     let Some(preset) = Preset::named(vehicle.name()) else {
         let message = format!("the law `{}` drives trucks alone", PREDICTIVE.name);
         let trucks = Preset::ALL.map(|truck| format!("`{}`", truck.name())).join(" or ");

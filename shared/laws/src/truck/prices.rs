@@ -70,7 +70,7 @@ const RANGE: (f64, f64) = (0.5, 5.0);
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TimePrice {
     initial: f64,
-    lag_s: f64,
+    pub lag_s: f64,
     integral: f64,
 }
 
@@ -96,10 +96,6 @@ impl TimePrice {
     /// beta / beta_0.
     pub fn value(&self) -> f64 {
         (self.initial + PROPORTIONAL_PER_S * self.lag_s + self.integral).clamp(RANGE.0, RANGE.1)
-    }
-
-    pub fn lag_s(&self) -> f64 {
-        self.lag_s
     }
 }
 
@@ -173,7 +169,7 @@ mod tests {
             price.update(0.1, 0.1 * speed_mps / 20.0);
             speed_mps = 20.0 + 0.5 * (price.value() - 1.6);
         }
-        assert!(price.lag_s().abs() < 1.0, "{price:?}");
+        assert!(price.lag_s.abs() < 1.0, "{price:?}");
         assert!((price.value() - 1.6).abs() < 0.01, "{price:?}");
     }
 

@@ -122,7 +122,8 @@ const LIMITS: (f64, f64) = (0.012, 0.006);
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MapTrust {
     difference: f64,
-    lost: bool,
+    /// True if the map contradicts the vehicle.
+    pub lost: bool,
 }
 
 impl MapTrust {
@@ -133,10 +134,5 @@ impl MapTrust {
         self.difference += share * (map - own - self.difference);
         let limit = if self.lost { LIMITS.1 } else { LIMITS.0 };
         self.lost = self.difference.abs() > limit;
-    }
-
-    /// True if the map contradicts the vehicle.
-    pub fn is_lost(&self) -> bool {
-        self.lost
     }
 }

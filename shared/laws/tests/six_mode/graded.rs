@@ -19,7 +19,7 @@ fn stop_behind(braking: f64) -> (Vec<(Mode, f64, f64)>, f64) {
             let mut target = lead.seen_from(&ego);
             target.acceleration_mps2 = lead_mps2;
             request = ask(&mut law, &input(time, PERIOD, 25.0, ego, Some(target))).request_mps2();
-            rows.push((law.mode().expect("it has decided"), request, ego.speed_mps));
+            rows.push((law.mode.expect("it has decided"), request, ego.speed_mps));
         }
         advance_ego(&mut ego, request, LAG);
         lead_mps2 = if time > 10.0 && lead.speed > 0.0 { -braking } else { 0.0 };

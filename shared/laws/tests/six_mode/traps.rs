@@ -64,7 +64,7 @@ fn follow(
             let time = f64::from(step) * DT;
             let target = Some(lead.seen_from(&ego));
             request = ask(law, &input(time, PERIOD, set_speed, ego, target)).request_mps2();
-            rows.push((law.mode().unwrap_or(Mode::Cruise), request, ego.speed_mps));
+            rows.push((law.mode.unwrap_or(Mode::Cruise), request, ego.speed_mps));
         }
         advance_ego(&mut ego, request, 0.2);
         lead.advance(0.0);
@@ -131,10 +131,10 @@ fn trap_5_no_row_for_equal_speeds() {
     // Five metres behind a car of the same speed, 20 m/s: the paper's table is silent.
     let mut law = literal();
     let out = ask(&mut law, &seen(20.0, 5.0, 0.0));
-    assert_eq!((law.mode(), out.request_mps2()), (None, 0.0));
+    assert_eq!((law.mode, out.request_mps2()), (None, 0.0));
     let mut law = robust();
     let out = ask(&mut law, &seen(20.0, 5.0, 0.0));
-    assert_eq!(law.mode(), Some(Mode::Avoid));
+    assert_eq!(law.mode, Some(Mode::Avoid));
     assert!(out.request_mps2() < 0.0);
     // A relative speed that trembles around zero beyond R_j.
     let trembling = || (0..40).map(|k| seen(20.0, 179.0, if k % 2 == 0 { 0.02 } else { -0.02 }));
@@ -211,7 +211,7 @@ fn the_output_names_mode_reason_and_boundaries() {
     let out = ask(&mut law, &seen(20.0, 12.0, -1.0));
     assert_eq!(formulation.modes[out.mode as usize], "avoid");
     assert_eq!(formulation.reasons[out.mode_reason as usize], "gap below R_b");
-    let b = Boundaries::robust(law.parameters(), 20.0, -1.0);
+    let b = Boundaries::robust(&law.parameters, 20.0, -1.0);
     assert_eq!(out.figures[..4], [b.warning_m, b.braking_m, b.following_m, b.desired_m]);
     assert_eq!(formulation.figure_names()[..4], ["r_w_m", "r_b_m", "r_j_m", "r_x_m"]);
 }

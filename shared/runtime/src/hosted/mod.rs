@@ -53,7 +53,7 @@ pub struct HostError(String);
 /// A program with the host that starts, proves, replaces and ends it.
 #[derive(Debug)]
 pub struct Hosting<Q: Pod, A: Pod> {
-    plan: Plan,
+    pub plan: Plan,
     proof: Proof<Q, A>,
     // The channel before the host: a program goes when its input ends.
     channel: Option<Box<Channel<Q, A>>>,
@@ -66,10 +66,6 @@ impl<Q: Pod + Send, A: Pod + Send> Hosting<Q, A> {
     /// A program that is not started yet.
     pub fn new(plan: Plan, proof: Proof<Q, A>) -> Self {
         Self { plan, proof, channel: None, host: None, forget: true }
-    }
-
-    pub fn plan(&self) -> &Plan {
-        &self.plan
     }
 
     /// True if it runs and owes no answer.

@@ -56,7 +56,7 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        match runtime.clock().mode() {
+        match runtime.clock().mode {
             Mode::Realtime => Self::in_thread(runtime.figures(), name, delay_ns, work),
             Mode::Lockstep => Self::inline(runtime.figures(), delay_ns, work),
         }

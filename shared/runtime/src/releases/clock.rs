@@ -49,7 +49,7 @@ pub fn sleep_until(instant_ns: i64) {
 /// The group's clock as one service sees it.
 #[derive(Debug)]
 pub struct Clock {
-    mode: Mode,
+    pub mode: Mode,
     step_ns: i64,
     start_ns: Cell<i64>,
     simulated_ns: Cell<i64>,
@@ -94,10 +94,6 @@ impl Clock {
     /// Scheduled instant of `step`, in run time.
     pub fn scheduled_ns(&self, step: u64) -> i64 {
         self.step_ns * i64::try_from(step).expect("a run has fewer than 2^63 steps")
-    }
-
-    pub fn mode(&self) -> Mode {
-        self.mode
     }
 
     /// Sleeps until the scheduled instant of `step`, or a signal.

@@ -112,7 +112,7 @@ impl Cycles {
             self.clock.set_simulated(release.publish_ns);
         }
         self.run += 1;
-        let idle_ns = match self.clock.mode() {
+        let idle_ns = match self.clock.mode {
             Mode::Realtime => {
                 self.jitter.record_ns(start_ns - scheduled_ns);
                 idle_ns

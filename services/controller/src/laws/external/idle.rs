@@ -19,7 +19,7 @@ thread_local! {
 /// A program of this plan that waits.
 pub(super) fn take(plan: &Plan) -> Option<Program> {
     IDLE.with_borrow_mut(|idle| {
-        let place = idle.iter().position(|idle| idle.plan() == plan)?;
+        let place = idle.iter().position(|idle| idle.plan == *plan)?;
         let mut program = idle.remove(place);
         program.forget();
         Some(program)

@@ -76,7 +76,7 @@ impl Hosted for External {
         let program = self.program();
         if is_shared
             && !program.is_started()
-            && let Some(waiting) = idle::take(program.plan())
+            && let Some(waiting) = idle::take(&program.plan)
         {
             *program = waiting;
         }
@@ -116,7 +116,7 @@ impl Hosted for External {
         let Some(program) = &self.program else { return self.counts.clone() };
         let Life { starts, mut failures, given_up } = program.life();
         if let Some(what) = &self.refusal {
-            failures.insert(0, format!("{} answered {what}", program.plan().subject()));
+            failures.insert(0, format!("{} answered {what}", program.plan.subject()));
         }
         ProgramReport { starts, failures, given_up, ..self.counts.clone() }
     }

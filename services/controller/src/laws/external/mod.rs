@@ -122,7 +122,7 @@ fn refused(path: &str, command: &[String], error: ProgramError) -> Problem {
 
 /// The law of the user's that the scenario names, whatever it consists of.
 fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
-    let scenario = reader.scenario();
+    let scenario = reader.scenario;
     let name = scenario.controller.name.as_str();
     let bounds = Bounds {
         least_mps2: key!(reader, min_request_mps2).value(),
@@ -167,14 +167,14 @@ fn program_law(
         directory,
         patience: Duration::from_secs_f64(settings.patience_s),
         silence: Duration::from_secs_f64(settings.silence_s),
-        supervision: reader.scenario().supervision.clone(),
+        supervision: reader.scenario.supervision.clone(),
     };
     Ok(Box::new(External::new(plan, bounds, backup(reader)?)))
 }
 
 /// The road controller that takes over.
 fn backup(reader: &Reader<'_>) -> Result<Backup, Problem> {
-    let of_backup = reader.of_backup();
+    let of_backup = Reader::new(reader.scenario);
     let config = Config::of_road(&of_backup)?;
     reader.keep_backup(of_backup);
     let law = cacc::build(Signals::Used, &config)

@@ -174,12 +174,12 @@ impl ActiveSet {
             lq.factor(problem, &mut models, &mut self.sweep, last_changed)
         };
         let sides = &self.guess.sides;
-        self.response.compute(problem, lq, &self.sweep, sides, self.rows.members());
-        let rows = self.rows.members_mut();
+        self.response.compute(problem, lq, &self.sweep, sides, &self.rows.members);
+        let rows = &mut self.rows.members;
         let Some(y) = dual::solve(problem, &cost_to_go, &self.response, rows) else { return false };
         point.multipliers.terminal = y;
         let (sweep, response) = (&self.sweep, &self.response);
-        let policy = Policy { lq, sweep, terminal: y, response, rows: self.rows.members() };
+        let policy = Policy { lq, sweep, terminal: y, response, rows: &self.rows.members };
         let Point { inputs, states, .. } = point;
         policy.simulate(problem, &mut Trajectory { inputs, states, sides: &mut self.next_sides });
         let end = &point.states[problem.horizon];

@@ -40,7 +40,7 @@ pub(super) enum Update {
 /// Set of at most [`MAX_WORKING_ROWS`] members.
 #[derive(Clone, Debug)]
 pub(super) struct WorkingRows {
-    members: Vec<WorkingRow>,
+    pub(super) members: Vec<WorkingRow>,
     /// Row and stage of the members before the last update.
     before: Vec<(usize, usize)>,
 }
@@ -54,14 +54,6 @@ impl WorkingRows {
 
     pub(super) fn clear(&mut self) {
         self.members.clear();
-    }
-
-    pub(super) fn members(&self) -> &[WorkingRow] {
-        &self.members
-    }
-
-    pub(super) fn members_mut(&mut self) -> &mut [WorkingRow] {
-        &mut self.members
     }
 
     /// Updates the set from a trajectory with at most `most_violated` violated stages.
@@ -205,7 +197,7 @@ mod tests {
         rows.clear();
         assert_eq!(rows.update(&problem, &states, 3), Update::Extended);
         // The worst stage of each run, then neighbours.
-        let members = rows.members().iter().map(|member| (member.row, member.stage));
+        let members = rows.members.iter().map(|member| (member.row, member.stage));
         assert_eq!(members.collect::<Vec<_>>(), [(0, 3), (1, 5), (0, 2), (0, 4)]);
     }
 }
