@@ -10,8 +10,7 @@
 //! A release is on the first level of `STRICTEST_FIRST` whose state holds. `PROOFS` has the releases in a row by
 //! which an input or the law proves itself again.
 
-use self::caution::Caution;
-use self::departure::Departure;
+use self::caution::{Caution, Departure};
 use self::lead::LeadMemory;
 use crate::law::{Ego, Input, MAX_PLAN, Output, Quality};
 use crate::sampling::SignalTrust;
@@ -22,7 +21,6 @@ use scenario::perception::RadarModel;
 
 mod blind;
 mod caution;
-mod departure;
 mod lead;
 
 /// Periods of its source after which an input is stale.

@@ -19,8 +19,9 @@
 //!
 //! let corridor = Scenario::parse("corridor", builtin::find("corridor").expect("built in").text)?;
 //! let program = Program::new(&corridor.v2x.signals[0]);
-//! assert_eq!(program.phase_at(26_999_999_999), Phase::Green);
-//! assert_eq!(program.phase_at(27_000_000_000), Phase::Yellow);
+//! let phase_at = |time_ns| program.intervals(time_ns).next().map(|interval| interval.phase);
+//! assert_eq!(phase_at(26_999_999_999), Some(Phase::Green));
+//! assert_eq!(phase_at(27_000_000_000), Some(Phase::Yellow));
 //! let ends: Vec<_> = program.intervals(0).map(|interval| interval.end_ns).take(2).collect();
 //! assert_eq!(ends, [Some(27_000_000_000), Some(30_000_000_000)]);
 //! # Ok::<(), scenario::ScenarioError>(())
@@ -70,11 +71,7 @@ impl Program {
         Self { phases: merged, cycle_ns, offset_ns, repeat: signal.repeat }
     }
 
-    /// Phase at a time since the start of the run, ns. At the instant of a change, the new phase.
-    pub fn phase_at(&self, time_ns: u64) -> Phase {
-        self.phases[self.locate(time_ns).1].0
-    }
-
+    /// The intervals from a time on, ns since the start of the run. At the instant of a change, the new one is the first.
     pub fn intervals(&self, time_ns: u64) -> impl Iterator<Item = Interval> + '_ {
         let (mut start_ns, mut index) = self.locate(time_ns);
         let mut over = false;
@@ -117,6 +114,10 @@ mod tests {
 
     const SECOND: u64 = 1_000_000_000;
 
+    fn phase_at(program: &Program, time_ns: u64) -> Phase {
+        program.intervals(time_ns).next().expect("one is always current").phase
+    }
+
     fn program(phases: &[(Phase, f64)], offset_s: f64, repeat: bool) -> Program {
         Program::new(&Signal {
             stop_line_m: Distance::of(100.0),
@@ -140,9 +141,9 @@ mod tests {
     fn phases_follow_each_other_round_and_round() {
         let program = cycle(0.0);
         for start in [0, 60, 60 * 1_000_000] {
-            let at = |s: u64| program.phase_at((start + s) * SECOND);
+            let at = |s: u64| phase_at(&program, (start + s) * SECOND);
             assert_eq!(at(0), Phase::Green);
-            assert_eq!(program.phase_at((start + 27) * SECOND - 1), Phase::Green);
+            assert_eq!(phase_at(&program, (start + 27) * SECOND - 1), Phase::Green);
             assert_eq!(at(27), Phase::Yellow);
             assert_eq!(at(30), Phase::Red);
             assert_eq!(at(59), Phase::Red);
@@ -152,13 +153,13 @@ mod tests {
     #[test]
     fn the_offset_moves_the_program_ahead() {
         let program = cycle(34.0);
-        assert_eq!(program.phase_at(0), Phase::Red);
-        assert_eq!(program.phase_at(26 * SECOND - 1), Phase::Red);
-        assert_eq!(program.phase_at(26 * SECOND), Phase::Green);
+        assert_eq!(phase_at(&program, 0), Phase::Red);
+        assert_eq!(phase_at(&program, 26 * SECOND - 1), Phase::Red);
+        assert_eq!(phase_at(&program, 26 * SECOND), Phase::Green);
         let ends: Vec<_> = program.intervals(0).take(3).map(|i| i.end_ns).collect();
         assert_eq!(ends, [Some(26 * SECOND), Some(53 * SECOND), Some(56 * SECOND)]);
-        assert_eq!(cycle(60.0).phase_at(0), Phase::Green);
-        assert_eq!(cycle(34.0 + 600.0).phase_at(26 * SECOND), Phase::Green);
+        assert_eq!(phase_at(&cycle(60.0), 0), Phase::Green);
+        assert_eq!(phase_at(&cycle(34.0 + 600.0), 26 * SECOND), Phase::Green);
     }
 
     #[test]
@@ -172,7 +173,7 @@ mod tests {
                 Interval { phase: Phase::Red, end_ns: None },
             ]
         );
-        assert_eq!(program.phase_at(1000 * SECOND), Phase::Red);
+        assert_eq!(phase_at(&program, 1000 * SECOND), Phase::Red);
         assert_eq!(program.intervals(1000 * SECOND).count(), 1);
         let late = self::program(&[(Phase::Green, 5.0), (Phase::Red, 1.0)], 50.0, false);
         assert_eq!(late.intervals(0).collect::<Vec<_>>(), intervals[1..]);
@@ -214,14 +215,14 @@ mod tests {
             let program = program(&list, offset_s, repeat);
             let mut from_ns = time_ns;
             for interval in program.intervals(time_ns).take(8) {
-                prop_assert_eq!(program.phase_at(from_ns), interval.phase);
+                prop_assert_eq!(phase_at(&program, from_ns), interval.phase);
                 let Some(end_ns) = interval.end_ns else {
-                    prop_assert_eq!(program.phase_at(u64::MAX / 4), interval.phase);
+                    prop_assert_eq!(phase_at(&program, u64::MAX / 4), interval.phase);
                     break;
                 };
                 prop_assert!(end_ns > from_ns);
-                prop_assert_eq!(program.phase_at(end_ns - 1), interval.phase);
-                prop_assert_ne!(program.phase_at(end_ns), interval.phase);
+                prop_assert_eq!(phase_at(&program, end_ns - 1), interval.phase);
+                prop_assert_ne!(phase_at(&program, end_ns), interval.phase);
                 from_ns = end_ns;
             }
         }

@@ -1,7 +1,6 @@
 //! Construction of a [`Problem`], with every check of its constant parts.
 
-use crate::error::ProblemError;
-use crate::limits::{MAX_HORIZON, MAX_ROWS};
+use crate::limits::{MAX_HORIZON, MAX_ROWS, ProblemError};
 use crate::problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -69,7 +69,6 @@
 mod builder;
 #[cfg(feature = "clarabel")]
 mod clarabel;
-mod error;
 mod kkt;
 mod limits;
 mod problem;
@@ -79,9 +78,8 @@ mod solver;
 pub use builder::ProblemBuilder;
 #[cfg(feature = "clarabel")]
 pub use clarabel::Clarabel;
-pub use error::ProblemError;
 pub use kkt::{Multipliers, Residuals, residuals};
-pub use limits::{MAX_HORIZON, MAX_ROWS};
+pub use limits::{MAX_HORIZON, MAX_ROWS, ProblemError};
 pub use problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
 pub use riccati::Riccati;
 pub use solver::{Report, Solver, Start, Status};

@@ -1,6 +1,6 @@
 //! The problem as data: constants from the builder, and values that a control cycle overwrites.
 
-use crate::error::ProblemError;
+use crate::limits::ProblemError;
 
 /// Treatment of a violated limit.
 #[derive(Clone, Copy, Debug, PartialEq)]

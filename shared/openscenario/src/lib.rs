@@ -38,7 +38,6 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN fails a check that is written so")]
 
-mod comparison;
 mod declare;
 mod error;
 pub mod expression;
@@ -56,7 +55,6 @@ mod words;
 pub mod world;
 pub mod xml;
 
-pub use comparison::{Rule, instant_s};
 pub use error::{Place, ReadError, Spot};
 pub use expression::Value;
 pub use library::{Disk, Source};
@@ -64,4 +62,5 @@ pub use model::Script;
 pub use parameter::Assignment;
 pub use read::Choices;
 pub use scene::LaneHeadings;
+pub use words::{Rule, instant_s};
 pub use world::{Motion, World, WorldError};

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
-use crate::comparison::{Rule, instant_s};
 use crate::declare::{AtLeastOne, Content, Element, Form, Later, Literal, Node, Text, elements};
 use crate::error::{Place, ReadError, meant};
 use crate::expression::Value;
 use crate::scope::{Raw, Scope, undeclared};
-use crate::words::{Words, word_enums};
+use crate::words::{Rule, Words, instant_s, word_enums};
 
 /// A value that `--param` or a variation gives to a parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,13 +1,13 @@
 //! A carrier, opened from its address. Sending and receiving never wait.
 
 use crate::capture::Capture;
-use crate::counts::{Counts, RadioReport};
 use crate::endpoint::{Endpoint, Outlet};
 use crate::envelope::{Content, MAX_PACKET};
 use crate::error::{OpenError, SendError};
 use crate::frame::{Frame, MAX_FRAME};
 use crate::listener::{Identity, Listener, Shared};
 use crate::numbers::NUMBERS;
+use crate::stations::{Counts, RadioReport};
 use crate::{udp, wall_clock_ns};
 use scenario::carrier::CarrierAddress;
 use std::sync::Arc;

@@ -41,7 +41,6 @@
 mod capture;
 mod carrier;
 mod clock;
-mod counts;
 #[cfg(test)]
 mod effect_tests;
 mod endpoint;
@@ -59,9 +58,9 @@ mod zenoh;
 pub use capture::{Capture, CaptureError};
 pub use carrier::{Carrier, Role};
 pub use clock::{ClockComparison, ClockDifference};
-pub use counts::{RadioReport, StationReport};
 pub use error::{OpenError, SendError};
 pub use frame::{Frame, MAX_FRAME};
+pub use stations::{RadioReport, StationReport};
 
 /// This host's wall clock, ns since the Unix epoch.
 pub fn wall_clock_ns() -> i64 {

@@ -1,11 +1,10 @@
 //! The receive thread: turns packets into frames and answers questions.
 
 use crate::clock::Exchange;
-use crate::counts::Counts;
 use crate::endpoint::{Endpoint, Origin, Received};
 use crate::envelope::{Content, Envelope, MAX_PACKET, Packet};
 use crate::frame::Frame;
-use crate::stations::Stations;
+use crate::stations::{Counts, Stations};
 use crate::wall_clock_ns;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

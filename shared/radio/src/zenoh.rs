@@ -4,11 +4,11 @@
 //! zenoh's own configuration determines discovery, links and certificates. A frame that zenoh cannot accept at once is
 //! dropped. zenoh's calls may wait for a lock, so a separate thread makes them.
 
-use crate::counts::Counts;
 use crate::endpoint::{Endpoint, Origin, Outlet, Received};
 use crate::envelope::MAX_PACKET;
 use crate::error::{OpenError, SendError};
 use crate::listener::{Identity, Shared};
+use crate::stations::Counts;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};

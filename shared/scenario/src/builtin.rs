@@ -1,7 +1,7 @@
 //! The scenarios that come with the program.
 
 use crate::ScenarioError;
-use crate::reading::words::nearest;
+use crate::reading::problem::nearest;
 
 /// A scenario compiled into the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -50,7 +50,7 @@ pub mod schema;
 pub use ::road::grade;
 pub use ego::{aebs, controller, lateral, own_law, perception, plant};
 pub use group::{referee, runtime, supervision};
-pub use reading::words::accepted;
+pub use reading::problem::accepted;
 pub use reading::{
     LawTables, MAX_TEXT_BYTES, Overrides, Problem, Reads, Refusal, ScenarioError, Setting, Source,
     option_value,

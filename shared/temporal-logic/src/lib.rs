@@ -40,15 +40,13 @@
 
 mod error;
 mod evaluate;
-mod margin;
 mod parse;
 mod syntax;
 mod token;
 mod unit;
 
 pub use error::{FormulaError, Problem};
-pub use evaluate::Trace;
-pub use margin::Margin;
+pub use evaluate::{Margin, Trace};
 pub use unit::Unit;
 
 use syntax::{Kind, Node, NodeId};

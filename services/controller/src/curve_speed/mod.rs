@@ -30,11 +30,9 @@
 //! assert_eq!(comfortable_mps(&comfort, 0.0), f64::INFINITY);
 //! ```
 
-mod own_way;
 mod road;
 
-pub use own_way::OwnWay;
-pub use road::{Cells, RoadAhead};
+pub use road::{Cells, OwnWay, RoadAhead};
 
 use crate::law::{Input, RESPONSE_S, SpeedProfile};
 use scenario::controller::{Comfort, CurveSpeed as Keys};

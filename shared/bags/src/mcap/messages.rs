@@ -1,7 +1,6 @@
 //! The messages of one topic, read from the front without index or summary.
 
-use super::records::{self, HEAD};
-use super::unpack::{LONGEST_CHUNK, unpack};
+use super::records::{self, HEAD, LONGEST_CHUNK, unpack};
 use crate::{BagError, Encoding};
 use ::mcap::MAGIC;
 use ::mcap::records::{Record, op as opcode};

@@ -2,10 +2,8 @@
 
 mod messages;
 mod records;
-mod unpack;
 
 pub use ::mcap::MAGIC;
 pub use ::mcap::records::{Record, op as opcode};
 pub(crate) use messages::{Connection, Sink, read};
-pub use records::{HEAD, Malformed, head, parse, record};
-pub use unpack::{LONGEST_CHUNK, UnpackError, unpack};
+pub use records::{HEAD, LONGEST_CHUNK, Malformed, UnpackError, head, parse, record, unpack};

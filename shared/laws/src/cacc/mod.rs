@@ -8,7 +8,6 @@ pub mod config;
 pub mod paper;
 mod plan;
 pub mod road;
-pub mod road_config;
 
 pub use config::Signals;
 
@@ -18,10 +17,9 @@ use scenario::quantity::Distance;
 use scenario::referee::DesiredGap;
 use scenario::{Problem, Scenario};
 
-use self::config::Config;
+use self::config::{Config, TABLE};
 use self::paper::PaperLaw;
 use self::road::RoadLaw;
-use self::road_config::TABLE;
 use law::{Descriptor, Formulation, GapPolicy, Law, Reader};
 
 /// Model-predictive following.

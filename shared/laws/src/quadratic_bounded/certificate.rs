@@ -16,10 +16,52 @@
 //! The blend of the rules is covered too. B, C and D are common, so z+ is the same blend of the rules' results, and V
 //! is convex. Within the ellipsoid |c z| <= sqrt(c P^-1 c'), which bounds every index.
 
-use super::error::{Condition, Failure};
 use super::model::{DISTURBANCES, Parameters, RULES, STATES, State, StateMatrix};
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Deserializer};
+use thiserror::Error;
+
+/// The conditions of a certificate, in the words of its errors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Condition {
+    #[error("P is symmetric")]
+    Symmetric,
+    #[error("multipliers are positive and sum to at most alpha < 1")]
+    Multipliers,
+    #[error("P is positive definite")]
+    PositiveDefinite,
+    #[error("the ellipsoid is invariant (quadratic boundedness)")]
+    Invariance,
+    #[error("gap error rate within its bound")]
+    GapErrorRate,
+    #[error("increment within its bound")]
+    Increment,
+    #[error("gap error within its bound")]
+    GapError,
+    #[error("speed error within its bound")]
+    SpeedError,
+    #[error("acceleration within its bound")]
+    Acceleration,
+    #[error("request within its bound")]
+    Request,
+    #[error("start states inside the ellipsoid")]
+    StartSet,
+}
+
+/// A condition that does not hold.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error(
+    "condition not met: {condition}{} (found {value:.6e}, limit {bound:.6e})",
+    rule.map_or_else(String::new, |rule| format!(", rule {rule}"))
+)]
+pub struct Failure {
+    pub condition: Condition,
+    /// Number of the rule, 1 or 2, where the condition is one of a rule.
+    pub rule: Option<usize>,
+    /// Found value: that of the index, or the least scaled pivot.
+    pub value: f64,
+    pub bound: f64,
+}
 
 /// Numbers of a design, before verification.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

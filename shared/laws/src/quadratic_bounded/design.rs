@@ -1,13 +1,37 @@
 //! A design as a data file, and its verification on loading.
 
-use super::certificate::{self, ClosedMatrix, ClosedState, Content, Design, Gains};
-use super::error::{DesignError, FORMAT, LARGEST};
+use super::certificate::{self, ClosedMatrix, ClosedState, Content, Design, Failure, Gains};
 use super::model::{Parameters, RULES, StateMatrix};
+use scenario::Problem;
 use serde::Deserialize;
+use thiserror::Error;
 
+/// Largest accepted file, bytes; a design needs about 8000.
+const LARGEST: usize = 64 * 1024;
+/// Claims of the file.
+const FORMAT: &str = "timegap quadratic-bounded design 1";
 /// The design that comes with the law.
 const SHIPPED: &str =
     include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/quadratic-bounded.json"));
+
+/// Reason why a file is not a usable design.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DesignError {
+    #[error("the design file cannot be read: {0}")]
+    Read(String),
+    #[error("the design file has {bytes} bytes, more than {LARGEST}")]
+    TooLarge { bytes: usize },
+    /// Not JSON of the right shape; the message has line and column.
+    #[error("not a design file: {0}")]
+    Syntax(String),
+    /// Another format or version, as found.
+    #[error("format {0:?}: expected {FORMAT:?}")]
+    Format(String),
+    #[error("design parameter {}, expected {}", .0.message, .0.expected)]
+    Parameter(Problem),
+    #[error("the certificate fails: {0}")]
+    Condition(#[from] Failure),
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

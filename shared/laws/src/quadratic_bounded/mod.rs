@@ -76,13 +76,14 @@
 mod certificate;
 mod design;
 mod envelope;
-mod error;
 mod law;
 mod model;
 mod printed;
 
-pub use certificate::{ClosedMatrix, ClosedState, Content, Design, Gains, closed_loop};
-pub use error::{Condition, DesignError, Failure};
+pub use certificate::{
+    ClosedMatrix, ClosedState, Condition, Content, Design, Failure, Gains, closed_loop,
+};
+pub use design::DesignError;
 pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};
 

@@ -1,13 +1,11 @@
-//! Triggers and conditions.
+//! Triggers and conditions, and the states of a storyboard's parts.
 
 use serde::{Deserialize, Serialize};
 
 use super::Category;
-use super::element::{ElementKind, ElementState};
 use super::position::Position;
-use crate::comparison::Rule;
 use crate::expression::Value;
-use crate::words::word_enums;
+use crate::words::{Rule, word_enums};
 
 /// A trigger: it fires when one group holds. A group holds when all its conditions do.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -140,4 +138,28 @@ pub struct Measured {
 pub enum Target {
     Entity(usize),
     Position(Position),
+}
+
+word_enums! {
+    /// The parts of a storyboard.
+    ElementKind {
+        Story: "story",
+        Act: "act",
+        ManeuverGroup: "maneuverGroup",
+        Maneuver: "maneuver",
+        Event: "event",
+        Action: "action",
+    }
+
+    /// A state, or a transition between states, which lasts one step.
+    ElementState {
+        Standby: "standbyState",
+        Running: "runningState",
+        Complete: "completeState",
+        StartTransition: "startTransition",
+        EndTransition: "endTransition",
+        StopTransition: "stopTransition",
+        /// Was triggered and did not run.
+        SkipTransition: "skipTransition",
+    }
 }

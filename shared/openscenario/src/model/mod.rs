@@ -5,7 +5,6 @@
 
 pub mod action;
 pub mod condition;
-pub mod element;
 pub mod position;
 pub mod storyboard;
 pub mod timed;

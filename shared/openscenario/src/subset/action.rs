@@ -4,11 +4,9 @@ use super::along::Position;
 use super::environment::{
     ActivateControllerAction, ControllerAction, EnvironmentAction, VisibilityAction,
 };
-use super::lateral::LateralAction;
-use super::longitudinal::LongitudinalAction;
+use super::motion::{LateralAction, LongitudinalAction, SynchronizeAction};
 use super::reference::{EntityName, ParameterName, VariableName};
 use super::signal::InfrastructureAction;
-use super::synchronize::SynchronizeAction;
 use super::trajectory::RoutingAction;
 use super::unused::AppearanceAction;
 use crate::declare::{Literal, Node, Number, OneOf, elements};

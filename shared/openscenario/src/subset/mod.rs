@@ -2,23 +2,17 @@
 
 mod action;
 mod along;
-mod body;
 mod catalog;
 mod condition;
-mod curve;
 mod entity;
 mod environment;
 mod file;
-mod lateral;
-mod longitudinal;
+mod motion;
 mod position;
-mod profile;
 mod reference;
 mod route;
 mod signal;
 mod storyboard;
-mod synchronize;
-mod test;
 mod trajectory;
 mod unused;
 

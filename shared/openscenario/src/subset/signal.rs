@@ -1,7 +1,6 @@
 //! Traffic signals: their states are values that conditions compare.
 
 use super::reference::{Unknown, place_of};
-use crate::comparison::Rule;
 use crate::declare::{Duration, Node, OneOf, Text, elements, scalars};
 use crate::error::ReadError;
 use crate::expression::Value;
@@ -10,6 +9,7 @@ use crate::model::action::{Action, Change};
 use crate::model::condition::Test;
 use crate::model::timed::{SignalCycle, SignalPhase};
 use crate::scene::Scene;
+use crate::words::Rule;
 
 elements! { "Actions";
     /// an action on traffic signals

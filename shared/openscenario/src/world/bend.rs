@@ -5,7 +5,7 @@ use std::sync::Arc;
 use road::{Axis, Pose};
 
 use crate::world::World;
-use crate::world::state::Motion;
+use crate::world::geometry::Motion;
 
 /// Parts of a way for which the curvature of a road is read.
 const PARTS: u32 = 32;

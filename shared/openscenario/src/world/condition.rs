@@ -8,10 +8,9 @@ use crate::model::condition::{
     Along, CollisionWith, Condition, Edge, EntityTest, Measured, Target, Test,
 };
 use crate::world::World;
-use crate::world::geometry::{distance, overlap};
+use crate::world::geometry::{Motion, distance, overlap};
 use crate::world::plan::Numbered;
 use crate::world::shape::seconds;
-use crate::world::state::Motion;
 
 /// Memory of a condition between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -17,7 +17,6 @@ mod profile;
 mod shape;
 mod signals;
 mod start;
-mod state;
 mod storyboard;
 mod targets;
 
@@ -32,12 +31,11 @@ use crate::model::{Drive, Script};
 use crate::road::Ground;
 pub use bend::{Bend, Way};
 use condition::ConditionMemory;
-pub use geometry::Extent;
+pub use geometry::{Extent, Motion};
 use motion::Mover;
 pub use plan::NotFound;
 use plan::Plan;
 use signals::Cycle;
-pub use state::Motion;
 use storyboard::Progress;
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -6,9 +6,9 @@ use crate::model::action::{Distance, Shape};
 use crate::model::timed::Meeting;
 use crate::model::{Category, Drive, MAX_ENTITIES};
 use crate::world::World;
+use crate::world::geometry::Motion;
 use crate::world::profile::Profile;
 use crate::world::shape::{MAX_SPEED_MPS, SpeedShape, seconds};
-use crate::world::state::Motion;
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Mover {

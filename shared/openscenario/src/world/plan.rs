@@ -2,8 +2,7 @@
 
 use crate::model::Script;
 use crate::model::action::Action;
-use crate::model::condition::{Test, Trigger};
-use crate::model::element::ElementKind;
+use crate::model::condition::{ElementKind, Test, Trigger};
 use crate::model::storyboard::{ManeuverGroup, NamedAction, Priority};
 use crate::words::Words;
 use crate::world::WorldError;

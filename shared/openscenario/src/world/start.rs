@@ -5,14 +5,14 @@ use std::sync::Arc;
 use crate::model::action::{
     Action, Change, Dimension, OffsetTarget, Shape, Trajectory, Transition,
 };
-use crate::model::element::ElementState;
+use crate::model::condition::ElementState;
 use crate::model::position::Position;
 use crate::model::timed::SpeedTarget;
 use crate::world::check::fits_its_lane;
+use crate::world::geometry::Motion;
 use crate::world::motion::{Course, LateralShape, Pace, Part, Path};
 use crate::world::profile::Profile;
 use crate::world::shape::{SHORTEST_S, SpeedShape, seconds};
-use crate::world::state::Motion;
 use crate::world::{World, WorldError};
 
 /// Length of the chords that a line is cut into on a curved road, m.

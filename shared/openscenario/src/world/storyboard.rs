@@ -9,7 +9,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::model::Drive;
-use crate::model::element::{ElementKind, ElementState};
+use crate::model::condition::{ElementKind, ElementState};
 use crate::model::storyboard::Priority;
 use crate::world::World;
 use crate::world::motion::{Mover, Pace, Part, Path};

@@ -6,8 +6,8 @@ use crate::model::action::LaneTarget;
 use crate::model::position::{From, Heading, Offset, Position};
 use crate::model::timed::SpeedTarget;
 use crate::world::World;
+use crate::world::geometry::Motion;
 use crate::world::shape::MAX_SPEED_MPS;
-use crate::world::state::Motion;
 
 impl World {
     /// The present speed of a target, m/s.

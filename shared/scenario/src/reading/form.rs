@@ -8,8 +8,7 @@ use serde::de::{DeserializeOwned, Unexpected};
 use serde_path_to_error::Segment;
 use toml::{Table, Value};
 
-use super::problem::Problem;
-use super::words::accepted;
+use super::problem::{Problem, accepted};
 use crate::schema::{self, Key, Schema, Shape, Variant};
 
 /// Reads a value into a type that declares its keys; `path` is the value's own.

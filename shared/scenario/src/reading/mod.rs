@@ -15,13 +15,12 @@ mod law_tables;
 mod load;
 mod open;
 mod overrides;
-mod problem;
 mod reads;
 mod setting;
 
 pub(crate) mod csv;
+pub(crate) mod problem;
 pub(crate) mod text_file;
-pub(crate) mod words;
 
 pub use document::MAX_TEXT_BYTES;
 pub use error::{Refusal, ScenarioError};

@@ -2,9 +2,8 @@
 
 use openscenario::model::action::{Action, Dimension, LaneTarget, Shape, Transition};
 use openscenario::model::condition::{
-    Along, Condition, Edge, EntityTest, Measured, Target, Test, Trigger,
+    Along, Condition, Edge, ElementKind, ElementState, EntityTest, Measured, Target, Test, Trigger,
 };
-use openscenario::model::element::{ElementKind, ElementState};
 use openscenario::model::position::{From, Heading, Position};
 use openscenario::model::storyboard::{
     Act, Event, Maneuver, ManeuverGroup, NamedAction, Priority, Story,

@@ -19,8 +19,7 @@ use mpc_solver::{Problem, ProblemError, Row, Softness};
 
 use super::lead::Prediction;
 use super::reference::Reference;
-use crate::cacc::config::Config;
-use crate::cacc::road_config::RoadConfig;
+use crate::cacc::config::{Config, RoadConfig};
 use law::following::kinematics::{LagStep, Motion};
 use law::following::safe_gap::LeadNow;
 

@@ -1,6 +1,5 @@
 //! Reader of OpenDRIVE files.
 
-mod border;
 mod geometry;
 mod lanes;
 mod row;
