@@ -8,29 +8,29 @@
 //!
 //! With that probability the first is an object where it will stand.
 
-use crate::decision::Path;
 use crate::filter::{Lateral, overlap};
-use crate::object::{HALF_WIDTH_M, Object};
+use crate::object::{Object, WIDTH_M};
 
 /// Slower than this above the other's speed it is not a collision, m/s.
 const LEAST_CLOSING_MPS: f64 = 2.0;
 /// A collision that is less probable than this is left out.
 const LEAST_PROBABILITY: f64 = 0.05;
 
-/// `first` as it will be where it hits `second`; `None` if it will not, or not in the ego's `path`.
-pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Option<Object> {
-    if second.lateral.position_m.abs() > HALF_WIDTH_M + path.half_width_m {
+/// `first` as it will be where it hits `second`; `None` if it will not, or not in the ego's path. Its lateral motion is
+/// carried on for `horizon_s` at most.
+pub(crate) fn where_it_stands(first: &Object, second: &Object, horizon_s: f64) -> Option<Object> {
+    if second.lateral.position_m.abs() > WIDTH_M {
         return None;
     }
     let time_s = time_to_contact_s(first, second)?;
     let second_sigma_m = second.lateral.position_sigma_m();
-    let carried_s = time_s.min(path.horizon_s);
+    let carried_s = time_s.min(horizon_s);
     let (mut touching, mut moment_m) = (0.0, 0.0);
-    for h in first.lateral.hypotheses() {
+    for h in first.lateral.states() {
         let position_m = h.position_m + h.rate_mps * carried_s;
         let off_m = (position_m - second.lateral.position_m).abs();
         let sigma_m = libm::hypot(h.sigma_after_m(carried_s), second_sigma_m);
-        let touches = overlap(2.0 * HALF_WIDTH_M, off_m, sigma_m);
+        let touches = overlap(WIDTH_M, off_m, sigma_m);
         touching += h.probability * touches;
         moment_m += h.probability * touches * position_m;
     }
@@ -62,17 +62,14 @@ fn time_to_contact_s(first: &Object, second: &Object) -> Option<f64> {
 mod tests {
     use super::*;
 
-    const PATH: Path = Path { half_width_m: 0.95, horizon_s: 3.0 };
-
     fn where_it_stands(first: &Object, second: &Object) -> Option<Object> {
-        super::where_it_stands(first, second, PATH)
+        super::where_it_stands(first, second, 3.0)
     }
 
     #[test]
-    fn a_lateral_motion_is_carried_on_as_far_as_the_path_says() {
+    fn a_lateral_motion_is_carried_on_as_far_as_the_horizon_says() {
         // Out of the way after 2 s with 1 m/s, not after 0.5 s.
-        let short = Path { horizon_s: 0.5, ..PATH };
-        assert!(super::where_it_stands(&lead(0.5, 1.0), &standing(0.0), short).is_some());
+        assert!(super::where_it_stands(&lead(0.5, 1.0), &standing(0.0), 0.5).is_some());
     }
 
     /// A lead at 20 m with 25 m/s, and what stands 50 m before it.

@@ -13,52 +13,19 @@
 //! which is (x, y) where κ = 0. The first arc goes on behind the bumper, and the last one ahead. A chain of one arc is
 //! a circle.
 //!
-//! The standard deviation of the road across the corridor grows with a power of the distance: 1 as of an error of its
-//! heading, 2 as of an error of its curvature.
+//! The curvature of the road deviates from that of the corridor. So the standard deviation of the road across the corridor
+//! grows with the square of the distance.
 //!
 //! ```
-//! use aebs::corridor::{Corridor, Spread};
+//! use aebs::corridor::Corridor;
 //!
-//! let circle = Corridor::circle(1.0 / 250.0, 0.0, Spread::default());
+//! let circle = Corridor::circle(1.0 / 250.0, 0.0, 0.0);
 //! let (x_m, y_m) = circle.to_body(60.0, -3.5);
 //! let (along_m, off_m) = circle.to_way(x_m, y_m);
 //! assert!((along_m - 60.0).abs() < 1e-9 && (off_m + 3.5).abs() < 1e-9);
 //! ```
 
 use messages::{COURSE_CELL_M, COURSE_CELLS};
-
-/// Distance at which a spread is given, m.
-const SPREAD_AT_M: f64 = 50.0;
-
-/// Standard deviation of the road's place across the corridor.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Spread {
-    /// That 50 m ahead, m.
-    pub at_50_m: f64,
-    /// It grows with this power of the distance.
-    pub power: f64,
-}
-
-impl Spread {
-    /// The spread of a road whose curvature deviates by `sigma_perm` from that of the corridor.
-    pub(crate) fn of_curvature(sigma_perm: f64) -> Self {
-        Self { at_50_m: 0.5 * sigma_perm * SPREAD_AT_M * SPREAD_AT_M, power: 2.0 }
-    }
-
-    /// The spread through two values, 50 m and 100 m ahead.
-    pub(crate) fn through(at_50_m: f64, at_100_m: f64) -> Self {
-        Self { at_50_m, power: libm::log2(at_100_m / at_50_m).clamp(1.0, 2.0) }
-    }
-
-    /// The deviation of a curvature from the ego on that would spread as much, 1/m.
-    pub(crate) fn curvature_sigma_perm(self) -> f64 {
-        2.0 * self.at_50_m / (SPREAD_AT_M * SPREAD_AT_M)
-    }
-
-    fn at_m(self, along_m: f64) -> f64 {
-        self.at_50_m * libm::pow(along_m.max(0.0) / SPREAD_AT_M, self.power)
-    }
-}
 
 /// An arc, from its begin in the axes of the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -76,11 +43,12 @@ pub struct Corridor {
     arcs: [Arc; COURSE_CELLS],
     /// Arcs behind the first one.
     more: usize,
-    spread: Spread,
+    /// Standard deviation of the road's curvature, 1/m.
+    sigma_perm: f64,
 }
 
 /// A vector in axes that are turned to the left by `rad`.
-fn seen_turned((x_m, y_m): (f64, f64), rad: f64) -> (f64, f64) {
+pub(crate) fn seen_turned((x_m, y_m): (f64, f64), rad: f64) -> (f64, f64) {
     let (sine, cosine) = libm::sincos(rad);
     (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine)
 }
@@ -109,8 +77,8 @@ impl Arc {
 
 impl Corridor {
     /// A circle that leaves the bumper with a heading, rad to the left of the body.
-    pub fn circle(curvature_perm: f64, heading_rad: f64, spread: Spread) -> Self {
-        let mut corridor = Self { spread, ..Self::default() };
+    pub fn circle(curvature_perm: f64, heading_rad: f64, sigma_perm: f64) -> Self {
+        let mut corridor = Self { sigma_perm, ..Self::default() };
         corridor.arcs[0] = Arc { heading_rad, curvature_perm, ..Arc::default() };
         corridor
     }
@@ -121,10 +89,10 @@ impl Corridor {
         cells_perm: &[f64; COURSE_CELLS],
         driven_m: f64,
         heading_rad: f64,
-        spread: Spread,
+        sigma_perm: f64,
     ) -> Self {
         let first = ((driven_m / COURSE_CELL_M) as usize).min(COURSE_CELLS - 1);
-        let mut corridor = Self::circle(cells_perm[first], heading_rad, spread);
+        let mut corridor = Self::circle(cells_perm[first], heading_rad, sigma_perm);
         for (cell, curvature_perm) in cells_perm.iter().enumerate().skip(first + 1) {
             let before = &corridor.arcs[corridor.more];
             let from_m = cell as f64 * COURSE_CELL_M - driven_m;
@@ -173,7 +141,7 @@ impl Corridor {
 
     /// Standard deviation of the road across it at a distance ahead, m; 0 on a straight road.
     pub(crate) fn sigma_m(&self, along_m: f64) -> f64 {
-        self.spread.at_m(along_m)
+        0.5 * self.sigma_perm * along_m * along_m
     }
 
     fn arc_at(&self, along_m: f64) -> &Arc {

@@ -1,6 +1,6 @@
 //! When to warn, when to brake, when to let go.
 //!
-//! The ego is beside an object along the road for a time that depends on what it does ([`Plan`]). They touch if the
+//! The ego is beside an object along the road for a time that depends on when it brakes ([`Authority::beside`]). They touch if the
 //! object is in the ego's path in that time. The probability of this is a sum over the lateral speeds that the object
 //! may have ([`crate::filter`]). To brake shortens the time, or makes it longer where the ego would have passed: the
 //! same sums decide both.
@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | [`BrakeState::Monitoring`] | at the start | |
 //! | [`BrakeState::Warning`] | as braking, with braking that begins `warning_s` later | no such threat |
-//! | [`BrakeState::Braking`] | in two scans a contact is likely, braking makes it less likely or milder, and one cycle later it may leave less than the margin | letting go is safe, or surely passes; the ego stands |
+//! | [`BrakeState::Braking`] | in two scans a contact is likely, braking makes it less likely or milder, and one cycle later it may leave less than the margin | letting go is safe; the ego stands |
 //! | [`BrakeState::Holding`] | the ego stands after braking | after [`HOLD_S`] |
 //!
 //! The margin is computed with less than the brakes' authority ([`COUNTED_ON_MPS2`]). The rest is the reserve for
@@ -35,8 +35,8 @@
 //! their braking keeps this system silent. Source of the order of warning and braking: UN R152, paragraphs 5.2.1, 6.4.
 
 use crate::filter::overlap;
-use crate::object::{HALF_WIDTH_M, Object};
-use crate::prediction::{Authority, Beside, Ego, Plan, Threat};
+use crate::object::{Object, WIDTH_M};
+use crate::prediction::{Authority, Beside, Ego, NEVER_S, Threat};
 use messages::BrakeState;
 
 /// Time for which the brakes are held after a stop, s. Chosen: the driver has that time to take over.
@@ -78,25 +78,16 @@ const SEVERE_MPS: f64 = 60.0;
 /// of lane keeping. At standstill it ceases at a rate, 1/s.
 const WANDERING_MPS: f64 = 0.8;
 const CEASES_PER_S: f64 = 0.6;
-/// Distance of its middle from the ego's axis from which something may be leaving, m. Chosen.
-const LEAVING_OFFSET_M: f64 = 0.8;
 /// Speed towards the ego from which a vehicle is oncoming, m/s. One that rolls back is slower, and does not turn off.
 const ONCOMING_MPS: f64 = 1.0;
 /// Share of what braking takes off a closing speed in a time. A delay by this time that loses as much comes too late.
 const LOST_SHARE: f64 = 0.25;
 
-/// The ego's swept path, and the time ahead for which lateral motion is extrapolated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Path {
-    pub half_width_m: f64,
-    /// Longest time over which lateral motion is carried on, s.
-    pub horizon_s: f64,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     pub authority: Authority,
-    pub path: Path,
+    /// Longest time over which lateral motion is carried on, s.
+    pub horizon_s: f64,
     pub period_s: f64,
     pub margin_m: f64,
     /// Time by which the warning comes before the braking, where there is time, s.
@@ -116,7 +107,7 @@ pub struct Demand {
 
 #[derive(Clone, Debug)]
 pub struct Decision {
-    settings: Settings,
+    pub settings: Settings,
     state: BrakeState,
     /// The last scan asked for braking.
     asks: bool,
@@ -133,10 +124,6 @@ struct Assessment {
     loss: f64,
     warns: bool,
     brakes: bool,
-    /// The ego is not clear of it without brakes.
-    holds_on: bool,
-    acceleration_mps2: f64,
-    threat: (f64, f64, f64),
 }
 
 /// A contact as a plan leads to it.
@@ -158,17 +145,9 @@ impl Decision {
         Self { settings, state, asks: false, waited_s: 0.0, hardest_mps2: 0.0 }
     }
 
-    pub fn state(&self) -> BrakeState {
-        self.state
-    }
-
-    pub fn path(&self) -> Path {
-        self.settings.path
-    }
-
     /// Takes the objects as they are now, once in each period.
     pub fn step(&mut self, ego: &Ego, objects: impl IntoIterator<Item = Object>) -> Demand {
-        let (mut worst, mut all) = (None::<Assessment>, Assessment::default());
+        let (mut worst, mut all) = (None::<Object>, Assessment::default());
         for object in objects {
             let found = match self.state {
                 BrakeState::Braking => self.assess_release(ego, &object),
@@ -177,17 +156,15 @@ impl Decision {
             let Some(assessment) = found else { continue };
             all.brakes |= assessment.brakes;
             all.warns |= assessment.warns;
-            all.holds_on |= assessment.holds_on;
-            if worst.is_none_or(|worst| assessment.loss > worst.loss) {
-                worst = Some(assessment);
+            if worst.is_none() || assessment.loss > all.loss {
+                (worst, all.loss) = (Some(object), assessment.loss);
             }
         }
         let waited_s = self.waited_s + self.settings.period_s;
         let before = self.state;
         self.state = match before {
             BrakeState::Braking if ego.speed_mps <= STANDSTILL_MPS => BrakeState::Holding,
-            BrakeState::Braking if worst.is_none() && waited_s < UNSEEN_S => BrakeState::Braking,
-            BrakeState::Braking if all.holds_on => BrakeState::Braking,
+            BrakeState::Braking if worst.is_some() || waited_s < UNSEEN_S => BrakeState::Braking,
             BrakeState::Holding if waited_s < HOLD_S => BrakeState::Holding,
             _ if all.brakes && self.asks => BrakeState::Braking,
             _ if all.warns => BrakeState::Warning,
@@ -207,7 +184,10 @@ impl Decision {
         Demand {
             state: self.state,
             deceleration_mps2: if acts { full_mps2 } else { 0.0 },
-            threat: reason.map(|worst| worst.threat),
+            threat: reason.map(|worst| {
+                let relative_mps = worst.speed_mps - ego.speed_mps;
+                (worst.distance_m, relative_mps, worst.lateral.position_m)
+            }),
         }
     }
 
@@ -234,21 +214,18 @@ impl Decision {
         let Settings { authority, period_s, margin_m, .. } = &self.settings;
         let threat = self.threat(object);
         let steady = Threat { acceleration_mps2: threat.acceleration_mps2.min(0.0), ..threat };
+        // It lets go of its brakes, which then are off at once.
+        let unbraked = Ego { acceleration_mps2: ego.acceleration_mps2.max(0.0), ..*ego };
         let released =
-            |clear_m| self.contact(object, authority.beside(ego, &steady, Plan::Release, clear_m));
+            |clear_m| self.contact(object, authority.beside(&unbraked, &steady, NEVER_S, clear_m));
         let hardest_mps2 = steady.acceleration_mps2.min(self.hardest_mps2);
         let brakes_on = Threat { acceleration_mps2: hardest_mps2, ..threat };
-        let unbraked = Ego { acceleration_mps2: ego.acceleration_mps2.max(0.0), ..*ego };
-        let anew = Plan::Brake(*period_s);
-        let again = self.counted_on(object).beside(&unbraked, &brakes_on, anew, *margin_m);
+        let again = self.counted_on(object).beside(&unbraked, &brakes_on, *period_s, *margin_m);
         let near = released(*margin_m + CLEAR_M);
         if near.probability.max(self.contact(object, again).probability) <= REMOTE {
             return None;
         }
-        let passing = released(0.0);
-        let braked = self.contact(object, authority.beside(ego, &threat, Plan::BrakeOn, 0.0));
-        let passes = passing.probability <= REMOTE && passing.loss < braked.loss;
-        Some(Assessment { holds_on: !passes, ..Assessment::of(ego, object, near.loss) })
+        Some(Assessment { loss: near.loss, ..Assessment::default() })
     }
 
     /// An object while the ego does not brake; `None` for what it does not come near to.
@@ -256,15 +233,15 @@ impl Decision {
         let Settings { authority, period_s, margin_m, warning_s, .. } = &self.settings;
         let threat = self.threat(object);
         let passing = Threat { passed_m: threat.passed_m + PASS_MARGIN_M, ..threat };
-        let keep = authority.beside(ego, &passing, Plan::Keep, 0.0)?;
+        let keep = authority.beside(ego, &passing, NEVER_S, 0.0)?;
         let kept = self.contact(object, Some(keep));
-        let mut assessment = Assessment::of(ego, object, kept.loss);
+        let mut assessment = Assessment { loss: kept.loss, ..Assessment::default() };
         // An object that was not seen lately may be gone: two echoes that were one are two again.
         if !object.is_seen || kept.probability < likely(ego.speed_mps - object.speed_mps) {
             return (kept.probability > REMOTE).then_some(assessment);
         }
         let is_late = |authority: &Authority, threat: &Threat, wait_s: f64| {
-            let beside = authority.beside(ego, threat, Plan::Brake(wait_s), *margin_m);
+            let beside = authority.beside(ego, threat, wait_s, *margin_m);
             self.contact(object, beside).probability > REMOTE
         };
         let counted_on = self.counted_on(object);
@@ -278,7 +255,7 @@ impl Decision {
             }
         };
         let share = if kept.probability > CERTAIN { 1.0 } else { BETTER_SHARE };
-        let braked = || authority.beside(ego, &threat, Plan::Brake(0.0), 0.0);
+        let braked = || authority.beside(ego, &threat, 0.0, 0.0);
         assessment.brakes =
             late(CONFIRMS * *period_s) && self.contact(object, braked()).loss < share * kept.loss;
         assessment.warns = assessment.brakes || late(*period_s + *warning_s);
@@ -293,7 +270,7 @@ impl Decision {
             return None;
         }
         let answer = Authority { deceleration_mps2: ANSWER_MPS2, ..self.settings.authority };
-        let touched = answer.beside(ego, lead, Plan::Brake(0.0), 0.0);
+        let touched = answer.beside(ego, lead, 0.0, 0.0);
         let acceleration_mps2 = lead.acceleration_mps2.min(-LEAD_MAY_BRAKE_MPS2);
         (self.contact(object, touched).probability > REMOTE)
             .then_some(Threat { acceleration_mps2, ..*lead })
@@ -303,36 +280,24 @@ impl Decision {
     fn contact(&self, object: &Object, beside: Option<Beside>) -> Contact {
         let mut contact = Contact::default();
         let Some(beside) = beside else { return contact };
-        let Path { half_width_m, horizon_s } = self.settings.path;
-        let reach_m = half_width_m + HALF_WIDTH_M;
-        for h in object.lateral.hypotheses() {
+        let horizon_s = self.settings.horizon_s;
+        for h in object.lateral.states() {
             let inward_mps = -h.rate_mps * h.position_m.signum();
             let offset_m = h.position_m.abs();
             // An object that comes in stays; one that leaves is nearest at once.
             let (time_s, in_s) = match inward_mps > 0.0 {
-                true => (beside.last_s.min(horizon_s), (offset_m - reach_m) / inward_mps),
+                true => (beside.last_s.min(horizon_s), (offset_m - WIDTH_M) / inward_mps),
                 false => (beside.first_s, 0.0),
             };
-            let moves = inward_mps > 0.0 || offset_m > LEAVING_OFFSET_M;
-            let moved_m = if moves { inward_mps * time_s } else { 0.0 };
-            let sigma_m = libm::hypot(h.sigma_after_m(time_s.min(horizon_s)), object.way_sigma_m);
-            let touches = overlap(reach_m, (offset_m - moved_m).max(0.0), sigma_m);
             let wanders = (1.0 - h.rate_mps.abs() / WANDERING_MPS).max(0.0);
             let goes_on = libm::exp(-CEASES_PER_S * wanders * in_s.max(0.0));
+            let sigma_m = libm::hypot(h.sigma_after_m(time_s.min(horizon_s)), object.way_sigma_m);
+            let touches = overlap(WIDTH_M, (offset_m - inward_mps * time_s).max(0.0), sigma_m);
             let probability = object.probability * h.probability * touches * goes_on;
             contact.probability += probability;
-            contact.loss += probability * (1.0 + beside.closing_mps(in_s).abs() / SEVERE_MPS);
+            contact.loss += probability * (1.0 + beside.first_mps.abs() / SEVERE_MPS);
         }
         contact
-    }
-}
-
-impl Assessment {
-    /// An object that neither warns nor brakes.
-    fn of(ego: &Ego, object: &Object, loss: f64) -> Self {
-        let relative_mps = object.speed_mps - ego.speed_mps;
-        let threat = (object.distance_m, relative_mps, object.lateral.position_m);
-        Self { loss, acceleration_mps2: object.acceleration_mps2, threat, ..Self::default() }
     }
 }
 
@@ -340,7 +305,7 @@ impl Assessment {
 /// be reached. Until it could no longer stand by then, to wait shows whether the vehicle turns off.
 fn is_harder(ego: &Ego, authority: &Authority, threat: &Threat, wait_s: f64) -> bool {
     let closing_mps = |wait_s| {
-        let beside = authority.beside(ego, threat, Plan::Brake(wait_s), 0.0);
+        let beside = authority.beside(ego, threat, wait_s, 0.0);
         // The ego stands by then.
         beside.map_or(-threat.speed_mps, |beside| beside.first_mps)
     };

@@ -23,10 +23,8 @@ use std::array::from_fn;
 
 /// Distance between two lateral speeds, m/s.
 const STEP_MPS: f64 = 0.2;
-/// Lateral speeds on each side of 0.
-const SIDE: usize = 10;
-/// States: the one that keeps its lane, then the speeds.
-const STATES: usize = 2 * SIDE + 1;
+/// States: the one that keeps its lane, then ten speeds to each side.
+const STATES: usize = 21;
 /// Rates of changes, 1/s. A vehicle on a motorway begins to change its lane about every 250 s. Source: Krajewski et
 /// al., The highD dataset, ITSC 2018: 5,600 changes in 44,500 km. Chosen: 40 times as often, as a change that is seen
 /// late costs more.
@@ -58,16 +56,11 @@ const LEAST_SIGMA_M: f64 = 1e-3;
 
 type Row = [f64; STATES];
 
-const RATES_MPS: Row = {
-    let mut rates_mps = [0.0; STATES];
-    let mut k = 1;
-    while k < STATES {
-        let steps = if k <= SIDE { k as f64 - SIDE as f64 - 1.0 } else { (k - SIDE) as f64 };
-        rates_mps[k] = steps * STEP_MPS;
-        k += 1;
-    }
-    rates_mps
-};
+/// Lateral speeds: of the state that keeps its lane, to the right, to the left.
+const RATES_MPS: Row = [
+    0.0, -2.0, -1.8, -1.6, -1.4, -1.2, -1.0, -0.8, -0.6, -0.4, -0.2, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2,
+    1.4, 1.6, 1.8, 2.0,
+];
 
 /// A lateral position with its rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,25 +68,22 @@ pub struct Lateral {
     /// Mean position, m, left positive.
     pub position_m: f64,
     pub rate_mps: f64,
-    probability: Row,
-    /// The position in each state, and its variance.
-    mean_m: Row,
-    variance_m2: Row,
+    states: [State; STATES],
 }
 
-/// A hypothesis: a rate, its probability, and the position with it.
+/// A lateral speed: its probability, and the position with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hypothesis {
+pub struct State {
     pub probability: f64,
     pub rate_mps: f64,
     pub position_m: f64,
-    pub sigma_m: f64,
+    pub variance_m2: f64,
 }
 
-impl Hypothesis {
+impl State {
     /// Standard deviation of the position when the rate was carried on for `time_s`, m.
     pub(crate) fn sigma_after_m(&self, time_s: f64) -> f64 {
-        libm::hypot(self.sigma_m, RATE_SIGMA_MPS * time_s)
+        libm::hypot(self.variance_m2.sqrt(), RATE_SIGMA_MPS * time_s)
     }
 }
 
@@ -110,7 +100,8 @@ impl Lateral {
     pub(crate) fn known(position_m: f64, rate_mps: f64) -> Self {
         // Between two rates of the row both are as probable as the rate is near.
         let near = |rate: f64| (1.0 - (rate - rate_mps).abs() / STEP_MPS).max(0.0);
-        let mut lateral = Self { probability: RATES_MPS.map(near), ..Self::still(position_m) };
+        let mut lateral = Self::still(position_m);
+        lateral.states.iter_mut().for_each(|state| state.probability = near(state.rate_mps));
         lateral.normalise();
         lateral
     }
@@ -126,47 +117,30 @@ impl Lateral {
     }
 
     fn begin(position_m: f64, variance_m2: f64, keeps: f64) -> Self {
-        let mut probability = [((1.0 - keeps) / (STATES - 1) as f64).max(LEAST); STATES];
-        probability[0] = keeps;
-        let (mean_m, variance_m2) = ([position_m; STATES], [variance_m2; STATES]);
-        Self { position_m, rate_mps: 0.0, probability, mean_m, variance_m2 }
+        let moves = ((1.0 - keeps) / (STATES - 1) as f64).max(LEAST);
+        let state = |rate_mps| State { probability: moves, rate_mps, position_m, variance_m2 };
+        let mut states = RATES_MPS.map(state);
+        states[0].probability = keeps;
+        Self { position_m, rate_mps: 0.0, states }
     }
 
-    pub fn hypotheses(&self) -> impl Iterator<Item = Hypothesis> {
-        (0..STATES).map(|k| Hypothesis {
-            probability: self.probability[k],
-            rate_mps: RATES_MPS[k],
-            position_m: self.mean_m[k],
-            sigma_m: self.variance_m2[k].sqrt(),
-        })
+    pub fn states(&self) -> &[State] {
+        &self.states
     }
 
     pub fn position_sigma_m(&self) -> f64 {
-        let square = |k: usize| {
-            let off_m = self.mean_m[k] - self.position_m;
-            self.probability[k] * (self.variance_m2[k] + off_m * off_m)
+        let square = |state: &State| {
+            let off_m = state.position_m - self.position_m;
+            state.probability * (state.variance_m2 + off_m * off_m)
         };
-        (0..STATES).map(square).sum::<f64>().sqrt()
-    }
-
-    /// The state `time_s` later at an unchanged rate; its uncertainty stays.
-    pub fn move_on(&mut self, time_s: f64) {
-        for (mean_m, rate_mps) in self.mean_m.iter_mut().zip(RATES_MPS) {
-            *mean_m += rate_mps * time_s;
-        }
-        self.position_m += self.rate_mps * time_s;
+        self.states.iter().map(square).sum::<f64>().sqrt()
     }
 
     /// Distance by which the origin of its position moved to the right, m. The object moves to the left by it, and
     /// keeps its rate.
     pub fn shift(&mut self, by_m: f64) {
-        self.mean_m.iter_mut().for_each(|mean_m| *mean_m += by_m);
+        self.states.iter_mut().for_each(|state| state.position_m += by_m);
         self.position_m += by_m;
-    }
-
-    /// It stays where it is from now on.
-    pub fn rest(&mut self) {
-        *self = Self::first(self.position_m, self.position_sigma_m());
     }
 
     /// Moves on by `period_s`, in which it may change its rate up to `fastest_mps`.
@@ -178,7 +152,8 @@ impl Lateral {
         let can_begin = |rate: f64| rate.abs() <= at_first_mps + 0.5 * STEP_MPS;
         let begun = RATES_MPS.map(|rate| f64::from(u8::from(can_begin(rate))));
         let beginning = begins / begun[1..].iter().sum::<f64>();
-        let next = |from: &Row| -> Row {
+        let next = |of: fn(&State) -> f64| -> Row {
+            let from = self.states.map(|state| state.probability * of(&state));
             let moving: f64 = from[1..].iter().sum();
             let mut to: Row = from_fn(|k| {
                 // The outermost rates have one neighbour.
@@ -191,33 +166,32 @@ impl Lateral {
             to
         };
         // Each state gives weight, moment and square of its position alike.
-        let (p, m) = (&self.probability, &self.mean_m);
-        let weights = next(p);
-        let moments = next(&from_fn(|k| p[k] * m[k]));
-        let squares = next(&from_fn(|k| p[k] * (self.variance_m2[k] + m[k] * m[k])));
-        let wander = WANDER_M2PS * period_s;
-        for k in 0..STATES {
+        let weights = next(|_| 1.0);
+        let moments = next(|state| state.position_m);
+        let squares = next(|state| state.variance_m2 + state.position_m * state.position_m);
+        let wander_m2 = WANDER_M2PS * period_s;
+        for (k, state) in self.states.iter_mut().enumerate() {
             let mean_m = moments[k] / weights[k];
-            let is_possible = RATES_MPS[k].abs() <= fastest_mps;
-            self.probability[k] = if is_possible { weights[k] } else { 0.0 };
-            self.mean_m[k] = mean_m + RATES_MPS[k] * period_s;
-            self.variance_m2[k] = (squares[k] / weights[k] - mean_m * mean_m).max(0.0) + wander;
+            let is_possible = state.rate_mps.abs() <= fastest_mps;
+            state.probability = if is_possible { weights[k] } else { 0.0 };
+            state.position_m = mean_m + state.rate_mps * period_s;
+            state.variance_m2 = (squares[k] / weights[k] - mean_m * mean_m).max(0.0) + wander_m2;
         }
         self.normalise();
     }
 
     /// Takes a measured position with its variance, m², at the time predicted to.
     pub fn update(&mut self, measured_m: f64, variance_m2: f64) {
-        for k in 0..STATES {
-            let (spread_m2, off_m) =
-                (self.variance_m2[k] + variance_m2, measured_m - self.mean_m[k]);
+        for state in &mut self.states {
+            let spread_m2 = state.variance_m2 + variance_m2;
+            let off_m = measured_m - state.position_m;
             let inlier = (1.0 - OUTLIER) * density(off_m, spread_m2);
             let likelihood = inlier + OUTLIER * OUTLIER_DENSITY;
-            self.probability[k] *= likelihood;
-            let gain = inlier / likelihood * self.variance_m2[k] / spread_m2;
-            self.mean_m[k] += gain * off_m;
+            state.probability *= likelihood;
+            let gain = inlier / likelihood * state.variance_m2 / spread_m2;
+            state.position_m += gain * off_m;
             // Without the spread of both places, inlier and outlier: with it a walker who steps out is braked for later.
-            self.variance_m2[k] *= 1.0 - gain;
+            state.variance_m2 *= 1.0 - gain;
         }
         self.normalise();
     }
@@ -225,21 +199,20 @@ impl Lateral {
     /// Takes a measured rate, m/s, with its variance, m²/s².
     pub fn update_rate(&mut self, measured_mps: f64, variance_m2ps2: f64) {
         let spread = variance_m2ps2 + STEP_MPS * STEP_MPS / 12.0;
-        for (probability, rate_mps) in self.probability.iter_mut().zip(RATES_MPS) {
-            let inlier = (1.0 - OUTLIER) * density(measured_mps - rate_mps, spread);
-            *probability *= inlier + OUTLIER * OUTLIER_DENSITY;
+        for state in &mut self.states {
+            let inlier = (1.0 - OUTLIER) * density(measured_mps - state.rate_mps, spread);
+            state.probability *= inlier + OUTLIER * OUTLIER_DENSITY;
         }
         self.normalise();
     }
 
     fn normalise(&mut self) {
-        let share = 1.0 / self.probability.iter().sum::<f64>();
+        let share = 1.0 / self.states.iter().map(|state| state.probability).sum::<f64>();
         (self.position_m, self.rate_mps) = (0.0, 0.0);
-        let states = self.probability.iter_mut().zip(&self.mean_m).zip(RATES_MPS);
-        for ((probability, mean_m), rate_mps) in states {
-            *probability = (*probability * share).max(LEAST);
-            self.position_m += *probability * mean_m;
-            self.rate_mps += *probability * rate_mps;
+        for state in &mut self.states {
+            state.probability = (state.probability * share).max(LEAST);
+            self.position_m += state.probability * state.position_m;
+            self.rate_mps += state.probability * state.rate_mps;
         }
     }
 }

@@ -27,10 +27,9 @@ pub mod object;
 pub mod objects;
 mod point;
 pub mod prediction;
-pub mod report;
 mod service;
 pub mod sight;
 mod sighting;
 pub mod way;
 
-pub use service::{last_known, objects, run, settings, sight, way};
+pub use service::{AebsReport, last_known, objects, run, settings, sight, way};

@@ -7,22 +7,20 @@ use crate::filter::Lateral;
 pub(crate) const MAX_OBJECTS: usize = 64;
 /// Below this speed over ground an object stands, m/s.
 pub(crate) const STANDING_MPS: f64 = 1.0;
-/// Half of the width that is assumed of every vehicle, m.
-pub(crate) const HALF_WIDTH_M: f64 = 0.95;
+/// Width that is assumed of every vehicle and of the ego, m.
+pub(crate) const WIDTH_M: f64 = 1.9;
 /// Length of an object of which only the face was seen, m.
 const LEAST_LENGTH_M: f64 = 4.3;
 /// Distance from the farthest point that reflects to the end of the body, m.
 pub(crate) const OVERHANG_M: f64 = 0.9;
 /// A side shows when it is this far from the ego's axis, m.
 const SIDE_SHOWS_M: f64 = 0.15;
-/// Distance over which a reflecting place is at the edge of the field of view, m.
-const BLIND_MARGIN_M: f64 = 0.5;
+/// The place of a face is not surer than this, m. So a face that is nearer by less hides nothing.
+const NEARER_M: f64 = 0.5;
 /// Standard deviation of the middle of a vehicle of which one point is known, m.
 pub(crate) const FIRST_SIGMA_M: f64 = 0.7;
 /// Distance of what reflects on a side from the middle, m.
 pub(crate) const SIDE_M: f64 = 0.9;
-/// Standing objects farther off the way are beside the road, m: beyond the neighbouring lanes.
-pub(crate) const ROAD_M: f64 = 5.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Object {
@@ -40,8 +38,8 @@ pub struct Object {
     pub probability: f64,
     /// It was seen lately.
     pub is_seen: bool,
-    /// The shadow of a nearer object on its face.
-    pub(crate) shadow: Option<Shadow>,
+    /// Bounds of what nearer objects leave open of its face, m left of the way: the right one and the left one.
+    pub(crate) open_m: (f64, f64),
     /// Bits of the last scans in which it was seen, the newest in the lowest bit.
     pub(crate) history: u32,
     /// Time since it was last seen, s.
@@ -53,24 +51,10 @@ pub struct Object {
     pub(crate) way_sigma_m: f64,
 }
 
-/// The part of a face that a nearer object hides.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Shadow {
-    /// The hidden side: 1 left, -1 right.
-    pub(crate) side: f64,
-    /// Its edge, m left of the way.
-    pub(crate) edge_m: f64,
-}
-
-impl Shadow {
-    /// The larger one of two; `None` if they are on both sides.
-    pub(crate) fn and(self, other: Self) -> Option<Self> {
-        let is_larger = self.side * (self.edge_m - other.edge_m) < 0.0;
-        (self.side == other.side).then_some(if is_larger { self } else { other })
-    }
-}
-
 impl Object {
+    /// Nothing hides a face.
+    pub(crate) const OPEN_M: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
     /// An object that counts, with a known motion.
     #[cfg(test)]
     pub(crate) fn at(distance_m: f64, speed_mps: f64, offset_m: f64, lateral_mps: f64) -> Self {
@@ -93,7 +77,7 @@ impl Object {
             is_confirmed: false,
             probability: 1.0,
             is_seen: true,
-            shadow: None,
+            open_m: Self::OPEN_M,
             history: 0,
             unseen_s: 0.0,
             bow_m: 0.0,
@@ -120,82 +104,52 @@ impl Object {
         self.speed_mps.abs() < STANDING_MPS
     }
 
-    /// True if it stands beyond the neighbouring lanes.
-    pub(crate) fn is_beside_the_road(&self) -> bool {
-        self.stands() && self.lateral.position_m.abs() > ROAD_M
-    }
-
-    /// It moved on by `time_s` beside an ego of `ego_mps`, along the way and across it.
-    pub fn moved_on(mut self, time_s: f64, ego_mps: f64) -> Self {
-        self.move_along(time_s, ego_mps);
-        self.lateral.move_on(time_s);
-        self
-    }
-
-    pub(crate) fn move_along(&mut self, time_s: f64, ego_mps: f64) {
+    /// Moves on by `time_s` beside an ego of `ego_mps`, along the way and across it.
+    pub(crate) fn predict(&mut self, time_s: f64, ego_mps: f64) {
         let speed = (self.speed_mps + self.acceleration_mps2 * time_s).max(0.0);
         // An object that comes towards the ego keeps its speed.
         let speed = if self.speed_mps < 0.0 { self.speed_mps } else { speed };
         self.distance_m += (0.5 * (self.speed_mps + speed) - ego_mps) * time_s;
         self.speed_mps = speed;
+        self.lateral.predict(time_s, speed.abs());
     }
 
-    /// Is carried on without a point: what has come to the ego's axis stays there.
-    pub(crate) fn coast(&mut self) {
-        self.acceleration_mps2 = 0.0;
-        if self.lateral.position_m * self.lateral.rate_mps > 0.0
-            && self.lateral.position_m.abs() < SIDE_M
-        {
-            self.lateral.rest();
-        }
-    }
-
-    /// True if the nearer corner of its face is within half of the field of view, of this tangent.
+    /// True if what reflects on the inner side of its face is surely within half of the field of view, of this tangent.
     pub(crate) fn shows_its_face(&self, view_tangent: f64) -> bool {
-        self.is_in_view(self.distance_m, view_tangent)
-    }
-
-    /// True if all of it that reflects is outside of the field of view, beside the ego.
-    pub(crate) fn is_hidden_beside(&self, view_tangent: f64) -> bool {
-        !self.is_in_view(self.distance_m + self.length_m - OVERHANG_M, view_tangent)
-    }
-
-    /// True if what reflects on its inner side at `x_m` ahead is surely in the field of view.
-    fn is_in_view(&self, x_m: f64, view_tangent: f64) -> bool {
-        let (surely_m, off_m) = (x_m - BLIND_MARGIN_M, (self.sight_m().abs() - SIDE_M).max(0.0));
+        let surely_m = self.distance_m - NEARER_M;
+        let off_m = (self.sight_m().abs() - SIDE_M).max(0.0);
         surely_m > 0.0 && off_m < surely_m * view_tangent
     }
 
-    /// The shadow of `nearer` on its face; `None` if it hides neither corner. If both are hidden, what is seen is the side
-    /// that it shows.
-    pub(crate) fn shadow_of(&self, nearer: &Self) -> Option<Shadow> {
-        if nearer.distance_m + BLIND_MARGIN_M >= self.distance_m {
-            return None;
-        }
-        let is_hidden = |side: f64| nearer.hides(self.distance_m, self.sight_m() + side * SIDE_M);
-        let side = match (is_hidden(1.0), is_hidden(-1.0)) {
-            (false, false) => return None,
-            (true, true) => self.shown_side()?.0,
-            (left, _) => f64::from(left) * 2.0 - 1.0,
+    /// Takes the shadow of `nearer` on a corner of its face. If both corners are hidden, what is seen is the side that it
+    /// shows.
+    pub(crate) fn take_shadow(&mut self, nearer: &Self) {
+        let Some((right_m, left_m)) = nearer.covers(self.distance_m) else { return };
+        let is_hidden = |corner_m: f64| right_m < corner_m && corner_m < left_m;
+        let side = match [1.0, -1.0].map(|side| is_hidden(self.sight_m() + side * SIDE_M)) {
+            [false, false] => return,
+            [true, true] => self.shown_side().map_or(0.0, |(side, _)| side),
+            [left, _] => f64::from(left) * 2.0 - 1.0,
         };
-        // The lines of sight past the nearer one's two corners on the open side: one of them bounds the shadow.
-        let corner_m = nearer.sight_m() - side * HALF_WIDTH_M;
-        let past_m = |along_m: f64| corner_m * self.distance_m / along_m.max(BLIND_MARGIN_M);
-        let bounds = [past_m(nearer.distance_m), past_m(nearer.distance_m + nearer.length_m)];
-        let edge_m =
-            bounds.into_iter().reduce(|a, b| if side > 0.0 { a.min(b) } else { a.max(b) })?;
-        Some(Shadow { side, edge_m: edge_m - self.bow_m })
+        if side > 0.0 {
+            self.open_m.1 = self.open_m.1.min(right_m - self.bow_m);
+        } else if side < 0.0 {
+            self.open_m.0 = self.open_m.0.max(left_m - self.bow_m);
+        }
     }
 
-    /// True if the straight line to a place passes through it.
-    fn hides(&self, x_m: f64, y_m: f64) -> bool {
-        let (begin_m, end_m) = (self.distance_m.max(0.0), self.distance_m + self.length_m);
-        if x_m <= 0.0 || end_m <= 0.0 {
-            return false;
+    /// Right and left bound of what it hides at a distance, m left of the axis of the ego's body. Lines of sight past its
+    /// four corners bound it. `None` if it is not nearer, or passed.
+    fn covers(&self, x_m: f64) -> Option<(f64, f64)> {
+        let end_m = (self.distance_m + self.length_m).min(x_m);
+        if self.distance_m + NEARER_M >= x_m || end_m <= 0.0 {
+            return None;
         }
-        let off_m = |along_m: f64| y_m / x_m * along_m - self.sight_m();
-        let (begins_m, ends_m) = (off_m(begin_m), off_m(end_m.min(x_m)));
-        begins_m.max(ends_m) > -HALF_WIDTH_M && begins_m.min(ends_m) < HALF_WIDTH_M
+        let share = [self.distance_m, end_m].map(|along_m| x_m / along_m.max(NEARER_M));
+        let seen_m = |corner_m: f64| share.map(|share| share * corner_m);
+        let right_m = seen_m(self.sight_m() - 0.5 * WIDTH_M);
+        let left_m = seen_m(self.sight_m() + 0.5 * WIDTH_M);
+        Some((right_m[0].min(right_m[1]), left_m[0].max(left_m[1])))
     }
 
     /// Offset from the axis of the ego's body, m to the left. Lines of sight are straight beside it.

@@ -2,22 +2,15 @@
 //!
 //! A detection at range R, azimuth φ and range rate ρ is a point at x = R cos φ, y = R sin φ. It moves over ground with
 //! the speed v = v_ego + (ρ - w sin φ) / cos φ, where w is its object's lateral speed. Points near an object in place
-//! and speed are its own; the rest begin new objects. Each scan then corrects an object by its points:
-//!
-//! | quantity | from | filter |
-//! |---|---|---|
-//! | distance of the nearest face | points of that face | gain on the position, speed from below |
-//! | speed over ground | all points | gain |
-//! | acceleration | change of the speed | low-pass of 0.2 s |
-//! | lateral position | the side that it shows, else its face | [`crate::filter`] |
-//! | lateral speed | the range rates of points in different directions | the same |
-//! | length | the farthest point | the longest that was seen |
+//! and speed are its own; the rest begin new objects. Each scan then corrects an object by its points
+//! (`sighting`), and its lateral motion by [`crate::filter`].
 //!
 //! The face's echoes merge and fluctuate, so that their middle wanders by 0.3 m. The points of a side differ in range
 //! and are as exact as the radar's azimuth. So a vehicle beside the path is located by the side that it shows.
 //!
 //! A nearer object may hide one corner of its face. What is seen is then the strip from the edge of the shadow to the
-//! other corner, and its middle is farther to the hidden side. The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
+//! other corner, and its middle is farther to the hidden side. The part of a vehicle beyond [`REACH_M`] along its side
+//! becomes further objects, which show their inner side.
 //!
 //! An object counts once it was seen in three of four scans. A standing one counts after four of five. It is a threat
 //! only up to the neighbouring lanes.
@@ -30,8 +23,7 @@
 
 use crate::collision_ahead::where_it_stands;
 use crate::corridor::Corridor;
-use crate::decision::Path;
-use crate::object::{HALF_WIDTH_M, MAX_OBJECTS, Object, Shadow};
+use crate::object::{MAX_OBJECTS, Object, WIDTH_M};
 use crate::point::Point;
 use crate::sighting::correct;
 use crate::way::Way;
@@ -81,14 +73,14 @@ impl Objects {
 
     /// The objects that count, as of the last scan.
     pub fn confirmed(&self) -> impl Iterator<Item = &Object> {
-        self.list.iter().filter(|object| object.is_confirmed && !object.is_beside_the_road())
+        self.list.iter().filter(|object| object.is_confirmed)
     }
 
-    /// Those, and each that is about to hit another one in the ego's `path` ([`mod@crate::collision_ahead`]) as it
-    /// will stand there.
-    pub fn threats(&self, path: Path) -> impl Iterator<Item = Object> {
+    /// Those, and each that is about to hit another one in the ego's path within `horizon_s`
+    /// ([`mod@crate::collision_ahead`]) as it will stand there.
+    pub fn threats(&self, horizon_s: f64) -> impl Iterator<Item = Object> {
         let hits = move |first| {
-            self.confirmed().filter_map(move |second| where_it_stands(first, second, path))
+            self.confirmed().filter_map(move |second| where_it_stands(first, second, horizon_s))
         };
         self.confirmed().copied().chain(self.confirmed().flat_map(hits))
     }
@@ -109,7 +101,6 @@ impl Objects {
         self.points.clear();
         for detection in detections {
             if let Some(point) = Point::of(detection, ego_mps, &self.corridor)
-                && !point.is_beside_the_road()
                 && let Some(index) = self.object_of(&point)
             {
                 self.points.push((index, point));
@@ -125,7 +116,7 @@ impl Objects {
             object.is_seen = object.times_seen(LATELY, share) > 0;
         }
         self.list.retain(|object| {
-            let beside = object.is_hidden_beside(view_tangent);
+            let beside = object.distance_m < 0.0;
             let longest_s = if beside { BESIDE_S } else { (COAST_S / share).min(BESIDE_S) };
             match object.is_confirmed {
                 true => object.unseen_s <= longest_s,
@@ -147,16 +138,12 @@ impl Objects {
             self.list.clear();
         }
         for index in 0..self.list.len() {
-            let object = &self.list[index];
-            let nearer = self.list.iter().filter(|nearer| !nearer.is_beside_the_road());
-            let mut shadows = nearer.filter_map(|nearer| object.shadow_of(nearer));
-            let first = shadows.next();
-            let shadow = first.and_then(|first| shadows.try_fold(first, Shadow::and));
-            self.list[index].shadow = shadow;
+            let mut object = Object { open_m: Object::OPEN_M, ..self.list[index] };
+            self.list.iter().for_each(|nearer| object.take_shadow(nearer));
+            self.list[index].open_m = object.open_m;
         }
         for object in &mut self.list {
-            object.move_along(period_s, ego_mps);
-            object.lateral.predict(period_s, object.speed_mps.abs());
+            object.predict(period_s, ego_mps);
             object.unseen_s += period_s;
             object.history <<= 1;
         }
@@ -192,8 +179,7 @@ impl Objects {
             }
             // It reflects on its body alone, whose middle may be at either side.
             let dy = (point.y_m - object.lateral.position_m).abs();
-            let reach_m = 2.0 * HALF_WIDTH_M;
-            (dy <= reach_m).then_some(dv / SAME_MPS + dy / reach_m + dx.abs() / REACH_M)
+            (dy <= WIDTH_M).then_some(dv / SAME_MPS + dy / WIDTH_M + dx.abs() / REACH_M)
         };
         let costs = self.list.iter().enumerate();
         let fitting = costs.filter_map(|(index, object)| cost(object).map(|cost| (index, cost)));

@@ -3,17 +3,18 @@
 use messages::Detection;
 
 use crate::corridor::Corridor;
-use crate::object::{ROAD_M, STANDING_MPS};
+use crate::object::STANDING_MPS;
 
 /// Standard deviation of an azimuth: of a strong echo, rad, and of one as strong as the noise.
 const AZIMUTH_SIGMA_RAD: f64 = 0.0018;
 const WEAK_SIGMA_RAD: f64 = 0.0205;
-/// The same of a range rate, m/s.
+/// Standard deviation of a range rate, m/s.
 const RATE_SIGMA_MPS: f64 = 0.04;
-const WEAK_SIGMA_MPS: f64 = 0.078;
 const RANGE_SIGMA_M: f64 = 0.1;
 /// Least cosine of the angle between a line of sight and a motion. Below it, a range rate shows little of the motion.
 const LEAST_COSINE: f64 = 0.1;
+/// What stands farther off the way is beside the road, m: beyond the neighbouring lanes.
+const ROAD_M: f64 = 5.0;
 /// Largest amplitude in the weights, 30 dB above the noise: one strong echo does not decide alone.
 const STRONGEST: f64 = 31.622_776_601_683_793;
 /// Standard deviation of the place that reflects on a side, m.
@@ -36,7 +37,7 @@ pub(crate) struct Point {
 }
 
 impl Point {
-    /// `None` for what is behind the antenna, or moves across the line of sight.
+    /// `None` for what is behind the antenna, moves across the line of sight, or stands beside the road.
     pub(crate) fn of(detection: &Detection, ego_mps: f64, corridor: &Corridor) -> Option<Self> {
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
@@ -48,9 +49,11 @@ impl Point {
         // A standing object comes nearer with the ego's own speed along the line of sight.
         let own_mps = ego_mps * libm::cos(detection.azimuth_rad - corridor.heading_rad(0.0));
         let speed_mps = (own_mps + detection.range_rate_mps) / road_cosine;
+        if y_m.abs() > ROAD_M && speed_mps.abs() < 2.0 * STANDING_MPS {
+            return None;
+        }
         let amplitude = libm::exp10(0.05 * detection.snr_db.clamp(0.0, 60.0));
-        let weak = 1.0 / amplitude;
-        let (weak_rad, weak_mps) = (WEAK_SIGMA_RAD * weak, WEAK_SIGMA_MPS * weak);
+        let weak_rad = WEAK_SIGMA_RAD / amplitude;
         let along_m2 = RANGE_SIGMA_M * RANGE_SIGMA_M * road_sine * road_sine;
         let cosine2 = cosine * cosine;
         let across_m2 = along_m2
@@ -63,14 +66,8 @@ impl Point {
             tangent: road_sine / road_cosine,
             amplitude: amplitude.min(STRONGEST),
             variance_m2: across_m2 + SIDE_SIGMA_M * SIDE_SIGMA_M,
-            speed_variance: (RATE_SIGMA_MPS * RATE_SIGMA_MPS + weak_mps * weak_mps)
-                / (road_cosine * road_cosine),
+            speed_variance: (RATE_SIGMA_MPS / road_cosine) * (RATE_SIGMA_MPS / road_cosine),
         })
-    }
-
-    /// True if it stands beyond the neighbouring lanes.
-    pub(crate) fn is_beside_the_road(&self) -> bool {
-        self.y_m.abs() > ROAD_M && self.speed_mps.abs() < 2.0 * STANDING_MPS
     }
 }
 

@@ -8,8 +8,8 @@
 const STEP_S: f64 = 0.02;
 /// Longest prediction, s: a car at 70 m/s with 0.85 g stands before.
 const LONGEST_S: f64 = 10.0;
-/// Distance that counts as far in spite of the rounding errors of a prediction, m.
-const SURELY_M: f64 = 1e-3;
+/// Time until an ego asks for its brakes that never does, s.
+pub const NEVER_S: f64 = f64::INFINITY;
 
 /// Capability of the vehicle's emergency brakes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,18 +40,6 @@ pub struct Threat {
     pub passed_m: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Plan {
-    /// It keeps its acceleration.
-    Keep,
-    /// It lets go of its brakes, which then are off at once.
-    Release,
-    /// It asks for the brakes in this time, s, and holds them until it is slower and clear.
-    Brake(f64),
-    /// It brakes on, without dead time.
-    BrakeOn,
-}
-
 /// The time in which the two are beside each other along the road.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Beside {
@@ -60,54 +48,24 @@ pub struct Beside {
     pub last_s: f64,
     /// Speed of the ego over the other at the start, m/s.
     pub first_mps: f64,
-    pub last_mps: f64,
-}
-
-impl Beside {
-    /// Speed of the ego over the other when they touch, m/s, if the other is in the way from `in_s` on.
-    pub fn closing_mps(&self, in_s: f64) -> f64 {
-        let span_s = self.last_s - self.first_s;
-        let share = if span_s > 0.0 && span_s.is_finite() {
-            ((in_s - self.first_s) / span_s).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        self.first_mps + share * (self.last_mps - self.first_mps)
-    }
 }
 
 impl Authority {
-    /// Time when the ego is beside `threat`, or nearer behind it than `clear_m`. `None`: never, or it has passed.
-    pub fn beside(&self, ego: &Ego, threat: &Threat, plan: Plan, clear_m: f64) -> Option<Beside> {
-        let begins_s = match plan {
-            Plan::Keep | Plan::Release => f64::INFINITY,
-            Plan::Brake(wait_s) => wait_s + self.dead_time_s,
-            Plan::BrakeOn => 0.0,
-        };
+    /// Time when the ego is beside `threat`, or nearer behind it than `clear_m`, if it asks for its brakes in `asks_s`.
+    /// `None`: never, or it has passed.
+    pub fn beside(&self, ego: &Ego, threat: &Threat, asks_s: f64, clear_m: f64) -> Option<Beside> {
+        let begins_s = asks_s + self.dead_time_s;
         let (mut gap_m, mut speed, mut other) = (threat.gap_m, ego.speed_mps, threat.speed_mps);
         let mut acceleration = ego.acceleration_mps2;
-        if plan == Plan::Release {
-            acceleration = acceleration.max(0.0);
-        }
-        // No plan lets the ego accelerate more than it does now.
-        let growth = acceleration.max(0.0) - threat.acceleration_mps2.min(0.0);
-        let closed_m = ((speed - other).max(-other) + 0.5 * growth * LONGEST_S) * LONGEST_S;
-        if gap_m - closed_m.max(0.0) > clear_m + SURELY_M {
-            return None;
-        }
         let mut beside: Option<Beside> = None;
         let mut time_s = 0.0;
         while time_s < LONGEST_S {
             let closing = speed - other;
             if gap_m < clear_m && gap_m > -threat.passed_m {
-                beside.get_or_insert(Beside {
-                    first_s: time_s,
-                    last_s: f64::INFINITY,
-                    first_mps: closing,
-                    last_mps: closing,
-                });
+                let last_s = f64::INFINITY;
+                beside.get_or_insert(Beside { first_s: time_s, last_s, first_mps: closing });
             } else if let Some(beside) = beside {
-                return Some(Beside { last_s: time_s, last_mps: closing, ..beside });
+                return Some(Beside { last_s: time_s, ..beside });
             } else if gap_m <= -threat.passed_m {
                 return None;
             }
@@ -156,41 +114,40 @@ mod tests {
         let after_ramp = 20.0 - 0.5 * 8.3385 * ramp_s;
         let distance_m = 20.0 * 0.1 + 20.0 * ramp_s - 12.65 * ramp_s.powi(3) / 6.0
             + after_ramp * after_ramp / (2.0 * 8.3385);
-        let stops = |gap_m: f64| {
-            BRAKES.beside(&cruising(20.0), &threat(gap_m, 0.0), Plan::Brake(0.0), 0.0).is_none()
-        };
+        let stops =
+            |gap_m: f64| BRAKES.beside(&cruising(20.0), &threat(gap_m, 0.0), 0.0, 0.0).is_none();
         assert!(stops(distance_m + 0.3) && !stops(distance_m - 0.3), "{distance_m}");
     }
 
     #[test]
     fn a_pass_ends_when_both_lengths_are_behind() {
         let ego = cruising(20.0);
-        let beside = BRAKES.beside(&ego, &threat(5.0, 10.0), Plan::Keep, 0.0).expect("it passes");
+        let beside = BRAKES.beside(&ego, &threat(5.0, 10.0), NEVER_S, 0.0).expect("it passes");
         assert!((beside.first_s - 0.5).abs() < 0.05 && (beside.last_s - 1.4).abs() < 0.05);
-        assert_eq!((beside.first_mps, beside.last_mps), (10.0, 10.0));
-        let braked = BRAKES.beside(&ego, &threat(5.0, 10.0), Plan::Brake(0.0), 0.0);
+        assert_eq!(beside.first_mps, 10.0);
+        let braked = BRAKES.beside(&ego, &threat(5.0, 10.0), 0.0, 0.0);
         let braked = braked.expect("the distance is too short");
         assert!(braked.last_s > beside.last_s && braked.first_mps < 10.0, "{braked:?}");
-        assert_eq!(BRAKES.beside(&ego, &threat(-9.5, 10.0), Plan::Keep, 0.0), None, "passed");
-        assert_eq!(BRAKES.beside(&ego, &threat(5.0, 21.0), Plan::Keep, 0.0), None, "faster");
+        assert_eq!(BRAKES.beside(&ego, &threat(-9.5, 10.0), NEVER_S, 0.0), None, "passed");
+        assert_eq!(BRAKES.beside(&ego, &threat(5.0, 21.0), NEVER_S, 0.0), None, "faster");
     }
 
     #[test]
     fn braking_beside_a_vehicle_lets_it_go_ahead() {
         let ego = cruising(15.0);
-        let beside = BRAKES.beside(&ego, &threat(-1.0, 14.0), Plan::Brake(0.0), 0.6);
+        let beside = BRAKES.beside(&ego, &threat(-1.0, 14.0), 0.0, 0.6);
         let beside = beside.expect("it is beside");
         assert!(beside.first_s == 0.0 && beside.last_s < 2.0, "{beside:?}");
-        let beside = BRAKES.beside(&ego, &threat(-1.0, 15.5), Plan::Keep, 0.0).expect("beside");
+        let beside = BRAKES.beside(&ego, &threat(-1.0, 15.5), NEVER_S, 0.0).expect("beside");
         assert!(beside.last_s > 1.9, "{beside:?}");
     }
 
     #[test]
     fn letting_go_of_the_brakes_closes_up_again() {
-        let ego = Ego { speed_mps: 16.0, acceleration_mps2: -8.0 };
-        let released = BRAKES.beside(&ego, &threat(5.0, 10.0), Plan::Release, 0.0);
+        let released = BRAKES.beside(&cruising(16.0), &threat(5.0, 10.0), NEVER_S, 0.0);
         assert!(released.is_some(), "3 m/s are left when the brakes are off");
-        assert_eq!(BRAKES.beside(&ego, &threat(5.0, 10.0), Plan::BrakeOn, 0.0), None);
+        let ego = Ego { speed_mps: 16.0, acceleration_mps2: -8.0 };
+        assert_eq!(BRAKES.beside(&ego, &threat(5.0, 10.0), f64::NEG_INFINITY, 0.0), None);
     }
 
     proptest! {
@@ -202,24 +159,10 @@ mod tests {
             let threat =
                 Threat { gap_m: gap, speed_mps: other, acceleration_mps2: a, passed_m: 9.0 };
             let first_s = |wait_s| {
-                let plan = Plan::Brake(wait_s);
-                let beside = BRAKES.beside(&cruising(v), &threat, plan, 0.6);
+                let beside = BRAKES.beside(&cruising(v), &threat, wait_s, 0.6);
                 beside.map_or(f64::INFINITY, |beside| beside.first_s)
             };
             prop_assert!(first_s(wait + 0.1) <= first_s(wait) + STEP_S);
         }
-    }
-
-    #[test]
-    fn the_closing_speed_is_between_that_of_the_begin_and_that_of_the_end() {
-        let beside = Beside { first_s: 1.0, last_s: 3.0, first_mps: 10.0, last_mps: 4.0 };
-        for (in_s, mps) in
-            [(0.0, 10.0), (1.0, 10.0), (1.5, 8.5), (2.0, 7.0), (3.0, 4.0), (9.0, 4.0)]
-        {
-            assert_eq!(beside.closing_mps(in_s), mps, "{in_s}");
-        }
-        let endless = Beside { last_s: f64::INFINITY, ..beside };
-        let at_once = Beside { last_s: 1.0, ..beside };
-        assert_eq!((endless.closing_mps(2.0), at_once.closing_mps(2.0)), (10.0, 10.0));
     }
 }

@@ -1,26 +1,23 @@
 //! The emergency brake's loop: released by the radar's detections, or by its timer when they are late.
 
-use crate::decision::{Decision, Demand, Path, Settings};
+use crate::decision::{Decision, Demand, Settings};
 use crate::objects::Objects;
 use crate::prediction::{Authority, Ego};
-use crate::report::AebsReport;
 use crate::sight::Sight;
 use crate::way::Way;
 use messages::{
     Brake, BrakeState, Course, Header, LateralMotion, Odometry, Origins, RadarDetections, Service,
     ServiceState,
 };
-use runtime::statistics::Latencies;
+use runtime::statistics::{Latencies, Percentiles};
 use runtime::{
     Clock, Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber,
     monotonic_ns,
 };
 use scenario::Scenario;
 use scenario::lateral::LateralModel;
+use serde::{Deserialize, Serialize};
 
-const HALF_WIDTH_M: f64 = 0.95;
-/// Periods by which detections may be late before the timer releases a cycle.
-const FALLBACK: f64 = 0.5;
 /// Periods of the radar after which its detections are of no use.
 const STALE_PERIODS: i64 = 4;
 /// Age at which odometry is of no use, ns.
@@ -37,6 +34,17 @@ const POSTS_PER_KM: f64 = 40.0;
 const DECIDE: &str = "decide";
 const LATE: &str = "late";
 
+/// Figures of the loop of the emergency brake, which it reports at its end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AebsReport {
+    /// Deadline after each scheduled release, µs.
+    pub deadline_us: f64,
+    /// Cycles that finished late, and releases left out.
+    pub deadline_misses: u64,
+    /// Time for objects and decision, on the wall clock in both modes.
+    pub decide_us: Option<Percentiles>,
+}
+
 /// Runs the emergency brake in its group, to the end of the run.
 ///
 /// # Errors
@@ -46,19 +54,22 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut aebs = Aebs::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| aebs.cycle(runtime))?;
-    let report = aebs.report(runtime.skipped());
-    runtime.finish(report)
+    // A release left out is a deadline missed.
+    let misses = aebs.late.get() + runtime.skipped();
+    runtime.finish(report(&scenario, misses, aebs.decide.percentiles_us()))
 }
 
 /// Sum of the reports of all processes of a run's emergency brake, which left out `skipped` releases.
 pub fn last_known(group: &Group, scenario: &Scenario, skipped: u64) -> AebsReport {
     let figures = Figures::of(group, Service::Aebs);
     let late = figures.count(LATE).map_or(0, |late| late.get());
-    AebsReport {
-        deadline_us: f64::from(scenario.aebs.deadline_ms.value()) * 1e3,
-        deadline_misses: late + skipped,
-        decide_us: figures.latencies(DECIDE).ok().and_then(|decide| decide.percentiles_us()),
-    }
+    let decide = figures.latencies(DECIDE).ok();
+    report(scenario, late + skipped, decide.and_then(|decide| decide.percentiles_us()))
+}
+
+fn report(scenario: &Scenario, misses: u64, decide_us: Option<Percentiles>) -> AebsReport {
+    let deadline_us = f64::from(scenario.aebs.deadline_ms.value()) * 1e3;
+    AebsReport { deadline_us, deadline_misses: misses, decide_us }
 }
 
 pub fn settings(scenario: &Scenario) -> Settings {
@@ -69,7 +80,7 @@ pub fn settings(scenario: &Scenario) -> Settings {
             jerk_mps3: keys.jerk_mps3.value(),
             deceleration_mps2: keys.deceleration_mps2.value(),
         },
-        path: Path { half_width_m: HALF_WIDTH_M, horizon_s: keys.lateral_horizon_s.value() },
+        horizon_s: keys.lateral_horizon_s.value(),
         period_s: 1e-3 * f64::from(scenario.perception.period_ms.value()),
         margin_m: keys.margin_m.value(),
         warning_s: keys.warning_s.value(),
@@ -117,6 +128,7 @@ struct Aebs {
     decision: Decision,
     deadline_ns: i64,
     period_ns: i64,
+    /// Time by which detections may be late before the timer releases a cycle.
     fallback_ns: i64,
     stale_ns: i64,
     decide: Latencies,
@@ -143,7 +155,7 @@ impl Aebs {
             decision: Decision::new(settings(scenario)),
             deadline_ns: i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000,
             period_ns,
-            fallback_ns: (period_ns as f64 * FALLBACK) as i64,
+            fallback_ns: period_ns / 2,
             stale_ns: latency_ns + STALE_PERIODS * period_ns,
             decide: runtime.figures().latencies(DECIDE)?,
             late: runtime.figures().count(LATE)?,
@@ -194,8 +206,11 @@ impl Aebs {
         let share = self.sight.expected_share();
         self.objects.take_scan(&self.way, share, scanned_ns, scanned_mps, scan.detections());
         let mean_mps = 0.5 * (scanned_mps + ego.speed_mps);
-        let threats = self.objects.threats(self.decision.path());
-        let now = threats.map(|object| object.moved_on(age_s, mean_mps));
+        let threats = self.objects.threats(self.decision.settings.horizon_s);
+        let now = threats.map(|mut object| {
+            object.predict(age_s, mean_mps);
+            object
+        });
         Some(self.decision.step(&ego, now))
     }
 
@@ -235,14 +250,5 @@ impl Aebs {
         message.deceleration_mps2 = demand.deceleration_mps2;
         (message.gap_m, message.relative_speed_mps, message.lateral_m) =
             demand.threat.unwrap_or_default();
-    }
-
-    fn report(&self, skipped: u64) -> AebsReport {
-        AebsReport {
-            deadline_us: self.deadline_ns as f64 / 1e3,
-            // A release left out is a deadline missed.
-            deadline_misses: self.late.get() + skipped,
-            decide_us: self.decide.percentiles_us(),
-        }
     }
 }

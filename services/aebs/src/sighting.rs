@@ -1,7 +1,7 @@
 //! Measurement of one object from all its points in one scan.
 
 use crate::filter::Lateral;
-use crate::object::{FIRST_SIGMA_M, HALF_WIDTH_M, OVERHANG_M, Object, SIDE_M, Shadow};
+use crate::object::{FIRST_SIGMA_M, OVERHANG_M, Object, SIDE_M};
 use crate::point::{Point, SIDE_SIGMA_M};
 
 /// Points so near to the nearest face belong to it, m. If there are none, the second distance shows that it was
@@ -15,7 +15,7 @@ const BOTH_CORNERS_M: f64 = 1.4;
 const FACE_SIGMA_M: f64 = 0.3;
 const CORNERS_SIGMA_M: f64 = 0.1;
 const FACE_SIGMA_RAD: f64 = 0.0025;
-/// A point is within this many standard deviations of where a side or a body is expected.
+/// A point is within this many standard deviations of where a side is expected.
 const GATE: f64 = 3.0;
 /// Standard deviation of a lateral speed from range rates that more points do not improve, m/s.
 const SLOPE_SIGMA_MPS: f64 = 0.1;
@@ -36,13 +36,12 @@ pub(crate) fn correct(
     shows_its_face: bool,
     share: f64,
 ) {
-    // Two vehicles abreast are one echo from afar. Once their sides show there is nothing between them.
-    if !points.iter().any(|point| is_on_body(object, point)) {
-        return object.coast();
-    }
     let rate_mps = object.lateral.rate_mps;
     let speeds = points.iter().map(|point| point.speed_mps - rate_mps * point.tangent);
-    let Some(measured_mps) = mean(speeds) else { return object.coast() };
+    let Some(measured_mps) = mean(speeds) else {
+        object.acceleration_mps2 = 0.0;
+        return;
+    };
     let is_first = object.history == 0 && !object.is_confirmed;
     let shows_its_face = is_first || shows_its_face;
     let lateral = lateral(object, points, shows_its_face);
@@ -73,12 +72,6 @@ pub(crate) fn correct(
     object.history |= 1;
     let seen = |scans: u32| object.times_seen(scans, share);
     object.is_confirmed |= if object.stands() { seen(5) >= 4 } else { seen(4) >= 3 };
-}
-
-/// True if a point may be on its body, by all that is uncertain.
-fn is_on_body(object: &Object, point: &Point) -> bool {
-    let sigma_m = libm::hypot(object.lateral.position_sigma_m(), point.variance_m2.sqrt());
-    (point.y_m - object.lateral.position_m).abs() <= HALF_WIDTH_M + GATE * sigma_m
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -143,9 +136,8 @@ fn middle_of_face(object: &Object, points: &[Point]) -> Option<(f64, f64)> {
     };
     let by_range_m = FACE_SIGMA_RAD * object.distance_m;
     // Seen is the middle of a strip from the shadow to a corner. Half of the strip is missing to half of the body.
-    let hidden_m = object.shadow.map_or(0.0, |Shadow { side, edge_m }| {
-        side * (SIDE_M - (side * (edge_m - middle_m)).max(0.0)).max(0.0)
-    });
+    let hidden = |open_m: f64| (SIDE_M - open_m.max(0.0)).max(0.0);
+    let hidden_m = hidden(object.open_m.1 - middle_m) - hidden(middle_m - object.open_m.0);
     let variance_m2 = sigma_m * sigma_m + by_range_m * by_range_m + hidden_m * hidden_m / 12.0;
     (amplitude > 0.0).then_some((middle_m + hidden_m, variance_m2))
 }

@@ -16,7 +16,7 @@
 //! difference over [`MEMORY_S`]. Without a course that is young and of use, and with one that contradicts, the way is the
 //! circle.
 
-use crate::corridor::{Corridor, Spread};
+use crate::corridor::{Corridor, seen_turned};
 use messages::{COURSE_CELL_M, COURSE_CELLS, Course};
 
 /// Time constant of the curvature's low-pass, s. Chosen: five samples of the sensor. Its noise of 0.1 °/s would be 3 cm
@@ -65,12 +65,12 @@ impl Way {
         if elapsed_ns <= 0 || !yaw_rate_radps.is_finite() || !speed_mps.is_finite() {
             return;
         }
-        let is_first = self.last_ns.replace(acquired_ns).is_none();
+        self.last_ns = Some(acquired_ns);
         (self.yaw_rate_radps, self.speed_mps) = (yaw_rate_radps, speed_mps);
         if speed_mps < SLOWEST_MPS {
             return;
         }
-        let gain = if is_first { 1.0 } else { 1.0 - libm::exp(-1e-9 * elapsed_ns as f64 / LAG_S) };
+        let gain = 1.0 - libm::exp(-1e-9 * elapsed_ns as f64 / LAG_S);
         self.curvature_perm += gain * (yaw_rate_radps / speed_mps - self.curvature_perm);
     }
 
@@ -90,17 +90,19 @@ impl Way {
         let age_s = 1e-9 * age_ns(&course).max(0) as f64;
         let driven_m = self.speed_mps * age_s;
         let cell = ((driven_m / COURSE_CELL_M) as usize).min(COURSE_CELLS - 1);
-        let spread = Spread::through(course.sigma_50_m, course.sigma_100_m);
+        // Most last points to brake are some 50 m ahead.
+        let course_sigma_perm = 2.0 * course.sigma_50_m / (50.0 * 50.0);
         let here_perm = course.curvatures_perm[cell];
         let off_perm = here_perm - self.curvature_perm;
         self.differs_perm += (period_s / MEMORY_S).min(1.0) * (off_perm - self.differs_perm);
-        let sigma_perm = libm::hypot(SIGMA_PERM, spread.curvature_sigma_perm());
+        let sigma_perm = libm::hypot(SIGMA_PERM, course_sigma_perm);
         if self.differs_perm.abs() <= GATE * sigma_perm {
             // The road turns on the way as its cells say, and the body by its yaw rate.
             let turned_rad = here_perm * driven_m - self.yaw_rate_radps * age_s;
             let heading_rad = course.heading_rad + turned_rad;
+            let cells_perm = &course.curvatures_perm;
             self.corridor =
-                Corridor::of_cells(&course.curvatures_perm, driven_m, heading_rad, spread);
+                Corridor::of_cells(cells_perm, driven_m, heading_rad, course_sigma_perm);
         }
     }
 
@@ -111,10 +113,10 @@ impl Way {
     /// A point of the body as seen when the ego has driven on for `time_s` with `ego_mps`.
     pub(crate) fn passed(&self, (x_m, y_m): (f64, f64), ego_mps: f64, time_s: f64) -> (f64, f64) {
         let turn_rad = self.yaw_rate_radps * time_s;
-        let (sine, cosine) = libm::sincos(self.heading_rad() + 0.5 * turn_rad);
-        let (x_m, y_m) = (x_m - ego_mps * time_s * cosine, y_m - ego_mps * time_s * sine);
-        let (sine, cosine) = libm::sincos(turn_rad);
-        (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine)
+        // A chord has the heading of half of its turn.
+        let chord_rad = self.heading_rad() + 0.5 * turn_rad;
+        let (driven_m, aside_m) = seen_turned((ego_mps * time_s, 0.0), -chord_rad);
+        seen_turned((x_m - driven_m, y_m - aside_m), turn_rad)
     }
 
     /// True on a road that may have curves.
@@ -128,8 +130,7 @@ impl Way {
     }
 
     fn circle(&self) -> Corridor {
-        let spread = Spread::of_curvature(SIGMA_PERM);
-        Corridor::circle(self.curvature_perm, self.heading_rad(), spread)
+        Corridor::circle(self.curvature_perm, self.heading_rad(), SIGMA_PERM)
     }
 }
 

@@ -6,7 +6,7 @@ use aebs::filter::Lateral;
 fn turns(speed_mps: f64) -> f64 {
     let mut lateral = Lateral::still(3.5);
     lateral.predict(0.05, speed_mps);
-    let fast = lateral.hypotheses().filter(|h| h.rate_mps.abs() > 0.3);
+    let fast = lateral.states().iter().filter(|h| h.rate_mps.abs() > 0.3);
     fast.map(|h| h.probability).sum()
 }
 

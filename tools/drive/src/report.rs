@@ -1,6 +1,6 @@
 //! Reports of the services at their end: each service's crate defines its own figures.
 
-pub use aebs::report::AebsReport;
+pub use aebs::AebsReport;
 pub use controller::law::ProgramReport;
 pub use controller::report::{CheckReport, ControllerReport, ModeChange, PlanningReport};
 pub use obu::report::ObuReport;

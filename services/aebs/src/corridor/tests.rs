@@ -4,7 +4,7 @@ use super::*;
 use proptest::prelude::*;
 
 fn circle(radius_m: f64, heading_rad: f64) -> Corridor {
-    Corridor::circle(1.0 / radius_m, heading_rad, Spread::default())
+    Corridor::circle(1.0 / radius_m, heading_rad, 0.0)
 }
 
 #[test]
@@ -84,7 +84,7 @@ proptest! {
 /// A straight of 30 m before an arc of 100 m radius to the left, from an ego that has driven `driven_m` of it.
 fn straight_and_arc(driven_m: f64) -> Corridor {
     let cells = std::array::from_fn(|cell| if cell < 3 { 0.0 } else { 0.01 });
-    Corridor::of_cells(&cells, driven_m, 0.0, Spread::default())
+    Corridor::of_cells(&cells, driven_m, 0.0, 0.0)
 }
 
 #[test]
@@ -110,24 +110,16 @@ fn a_chain_of_arcs_goes_on_where_the_last_one_ended() {
 #[test]
 fn beyond_its_last_cell_a_corridor_is_an_arc() {
     let cells_perm = [0.004; COURSE_CELLS];
-    let chain = Corridor::of_cells(&cells_perm, 147.0, 0.01, Spread::default());
+    let chain = Corridor::of_cells(&cells_perm, 147.0, 0.01, 0.0);
     let arc = circle(250.0, 0.01);
     assert_eq!(chain.to_way(60.0, 3.0), arc.to_way(60.0, 3.0));
 }
 
 #[test]
-fn a_spread_grows_as_its_two_values_do() {
-    let sigma_m = |at_50_m, at_100_m, along_m: f64| {
-        let spread = Spread::through(at_50_m, at_100_m);
-        Corridor::circle(0.0, 0.0, spread).sigma_m(along_m)
-    };
-    assert!((sigma_m(0.3, 1.2, 25.0) - 0.075).abs() < 1e-12, "as of a curvature");
-    assert!((sigma_m(0.3, 0.6, 25.0) - 0.15).abs() < 1e-12, "as of a heading");
-    assert!((sigma_m(0.3, 9.0, 100.0) - 1.2).abs() < 1e-12, "no steeper");
-    assert_eq!((sigma_m(0.3, 0.6, -5.0), Corridor::default().sigma_m(80.0)), (0.0, 0.0));
-    let of_circle = Spread::of_curvature(3e-4);
-    assert!((of_circle.at_m(100.0) - 1.5).abs() < 1e-12);
-    assert!((of_circle.curvature_sigma_perm() - 3e-4).abs() < 1e-15);
+fn a_curvature_that_deviates_spreads_with_the_square_of_the_distance() {
+    let circle = Corridor::circle(0.0, 0.0, 3e-4);
+    assert!((circle.sigma_m(100.0) - 1.5).abs() < 1e-12 && (circle.sigma_m(50.0) - 0.375) < 1e-12);
+    assert_eq!(Corridor::default().sigma_m(80.0), 0.0);
 }
 
 proptest! {
@@ -136,7 +128,7 @@ proptest! {
         cells in proptest::array::uniform15(-0.01..0.01_f64), driven in 0.0..12.0_f64,
         along in -20.0..140.0_f64, off in -5.0..5.0_f64, heading in -0.05..0.05_f64,
     ) {
-        let corridor = Corridor::of_cells(&cells, driven, heading, Spread::default());
+        let corridor = Corridor::of_cells(&cells, driven, heading, 0.0);
         let (x_m, y_m) = corridor.to_body(along, off);
         let (back_m, off_m) = corridor.to_way(x_m, y_m);
         prop_assert!((back_m - along).abs() < 1e-8, "{} {}", back_m, along);

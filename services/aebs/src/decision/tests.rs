@@ -7,7 +7,7 @@ const PERIOD_S: f64 = 0.05;
 fn settings() -> Settings {
     Settings {
         authority: Authority { dead_time_s: 0.1, jerk_mps3: 12.65, deceleration_mps2: 8.3385 },
-        path: Path { half_width_m: 0.95, horizon_s: 3.0 },
+        horizon_s: 3.0,
         period_s: PERIOD_S,
         margin_m: 0.6,
         warning_s: 0.8,
@@ -145,7 +145,7 @@ fn an_uncertain_object_is_braked_for_when_a_contact_is_likely() {
         let decision = Decision::new(settings());
         let mut object = Object::at(20.0, 5.0, 3.5, -0.4);
         object.lateral = crate::filter::Lateral::first(3.0, sigma_m);
-        let beside = Beside { first_s: 1.0, last_s: 2.0, first_mps: 10.0, last_mps: 10.0 };
+        let beside = Beside { first_s: 1.0, last_s: 2.0, first_mps: 10.0 };
         decision.contact(&object, Some(beside)).probability
     };
     assert!(contact(0.05) < 0.2 && contact(0.05) > 0.0);
@@ -163,7 +163,7 @@ fn in_way(gap_m: f64, speed_mps: f64) -> Object {
 fn braking() -> Decision {
     let mut decision = Decision::new(settings());
     step(&mut decision, &MOVING, [in_way(15.0, 0.0)]);
-    assert_eq!(decision.state(), BrakeState::Braking);
+    assert_eq!(decision.state, BrakeState::Braking);
     decision
 }
 
@@ -218,7 +218,7 @@ fn it_lets_go_of_a_lead_that_is_faster_and_far_but_not_of_a_near_one_that_braked
         for _ in 0..8 {
             step(&mut decision, &MOVING, [steady]);
         }
-        decision.state() == BrakeState::Monitoring
+        decision.state == BrakeState::Monitoring
     };
     assert!(lets_go(30.0, 0.0));
     assert!(lets_go(30.0, -5.0), "30 m are enough to brake again");
@@ -275,7 +275,7 @@ fn after_holding_it_warns_or_monitors_and_holds_on_while_it_would_brake() {
         for _ in 0..=scans {
             step(&mut decision, &MOVING, [object]);
         }
-        decision.state()
+        decision.state
     };
     assert_eq!(after(in_way(15.0, 0.0)), BrakeState::Holding);
     assert_eq!(after(in_way(45.0, 0.0)), BrakeState::Warning);
@@ -296,7 +296,7 @@ fn a_warning_becomes_braking_and_braking_never_a_warning() {
     for _ in 0..9 {
         step(&mut decision, &MOVING, [in_way(60.0, 25.0)]);
     }
-    assert_eq!(decision.state(), BrakeState::Monitoring);
+    assert_eq!(decision.state, BrakeState::Monitoring);
 }
 
 proptest::proptest! {
@@ -349,7 +349,7 @@ fn a_road_that_may_bend_makes_a_contact_less_sure() {
     let probability = |offset_m: f64, way_sigma_m: f64| {
         let object = Object { way_sigma_m, ..Object::at(60.0, 0.0, offset_m, 0.0) };
         let threat = Threat { gap_m: 60.0, speed_mps: 0.0, acceleration_mps2: 0.0, passed_m: 9.0 };
-        let beside = settings().authority.beside(&MOVING, &threat, Plan::Keep, 0.0);
+        let beside = settings().authority.beside(&MOVING, &threat, NEVER_S, 0.0);
         decision.contact(&object, beside).probability
     };
     assert!(probability(0.0, 0.0) > probability(0.0, 1.2));

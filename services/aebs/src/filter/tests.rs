@@ -31,7 +31,8 @@ fn a_vehicle_in_its_lane_has_little_lateral_speed_and_says_how_little() {
             if time_s > 2.0 {
                 squares += filter.rate_mps * filter.rate_mps;
                 believed += filter
-                    .hypotheses()
+                    .states()
+                    .iter()
                     .map(|h| h.probability * h.rate_mps * h.rate_mps)
                     .sum::<f64>();
                 count += 1.0;
@@ -58,9 +59,9 @@ fn a_lane_change_is_seen_within_two_fifths_of_a_second() {
 fn the_probabilities_are_those_of_a_distribution() {
     let motion = |time_s: f64| 3.5 - 0.7 * (time_s - 5.0).max(0.0);
     follow(0.3, motion, |_, filter| {
-        let sum: f64 = filter.hypotheses().map(|h| h.probability).sum();
+        let sum: f64 = filter.states().iter().map(|h| h.probability).sum();
         assert!((sum - 1.0).abs() < 1e-6, "{sum}");
-        assert!(filter.hypotheses().all(|h| h.sigma_m.is_finite() && h.probability > 0.0));
+        assert!(filter.states().iter().all(|h| h.variance_m2.is_finite() && h.probability > 0.0));
     });
 }
 
@@ -115,15 +116,11 @@ fn assert_near(found: f64, expected: f64) {
 
 /// A motion of these states alone: number, probability, mean and variance.
 fn of_states(of: &[(usize, f64, f64, f64)]) -> Lateral {
-    let mut lateral = Lateral {
-        probability: [0.0; STATES],
-        mean_m: [0.0; STATES],
-        variance_m2: [0.01; STATES],
-        ..Lateral::known(0.0, 0.0)
-    };
-    for &(k, probability, mean_m, variance_m2) in of {
-        (lateral.probability[k], lateral.mean_m[k], lateral.variance_m2[k]) =
-            (probability, mean_m, variance_m2);
+    let mut lateral = Lateral::begin(0.0, 0.01, 0.0);
+    lateral.states.iter_mut().for_each(|state| state.probability = 0.0);
+    for &(k, probability, position_m, variance_m2) in of {
+        let state = &mut lateral.states[k];
+        *state = State { probability, position_m, variance_m2, ..*state };
     }
     lateral.normalise();
     lateral
@@ -147,12 +144,12 @@ fn the_row_of_rates_is_even_and_keeping_the_lane_is_the_first_state() {
 #[test]
 fn a_known_rate_is_shared_by_its_neighbours_in_the_row() {
     let known = Lateral::known(2.0, 0.73);
-    assert_near(known.probability[state(0.6)], 0.35);
-    assert_near(known.probability[state(0.8)], 0.65);
-    assert_near(known.probability[state(0.4)], 0.0);
+    assert_near(known.states[state(0.6)].probability, 0.35);
+    assert_near(known.states[state(0.8)].probability, 0.65);
+    assert_near(known.states[state(0.4)].probability, 0.0);
     let keeps = Lateral::known(2.0, 0.0);
-    assert_near(keeps.probability[0], 1.0);
-    assert_near(keeps.probability[state(0.2)], 0.0);
+    assert_near(keeps.states[0].probability, 1.0);
+    assert_near(keeps.states[state(0.2)].probability, 0.0);
     assert_near(keeps.position_m, 2.0);
     assert_near(keeps.position_sigma_m(), 0.01);
 }
@@ -160,28 +157,17 @@ fn a_known_rate_is_shared_by_its_neighbours_in_the_row() {
 #[test]
 fn a_new_vehicle_probably_keeps_its_lane() {
     let first = Lateral::first(3.5, 0.7);
-    let hypotheses: Vec<Hypothesis> = first.hypotheses().collect();
-    assert_near(hypotheses[0].probability, 0.8);
-    assert!(hypotheses[1..].iter().all(|h| (h.probability - 0.01).abs() < 1e-12));
-    assert!(hypotheses.iter().all(|h| h.position_m == 3.5 && (h.sigma_m - 0.7).abs() < 1e-12));
+    let states = first.states();
+    assert_near(states[0].probability, 0.8);
+    assert!(states[1..].iter().all(|h| (h.probability - 0.01).abs() < 1e-12));
+    assert!(states.iter().all(|h| h.position_m == 3.5 && (h.variance_m2 - 0.49).abs() < 1e-12));
     assert_eq!((first.position_m, first.rate_mps), (3.5, 0.0));
 }
 
 #[test]
-fn a_rate_moves_each_state_and_their_distance_is_uncertainty() {
-    let mut lateral = Lateral::known(1.0, 0.5);
-    lateral.move_on(2.0);
-    // 1.8 m and 2.2 m, each of them probable by one half and known to 0.01 m.
-    assert_near(lateral.position_m, 2.0);
-    assert_near(lateral.position_sigma_m(), f64::sqrt(0.04 + 1e-4));
-    lateral.shift(-0.5);
-    assert_near(lateral.position_m, 1.5);
-    assert_near(lateral.mean_m[state(0.4)], 1.3);
-    let known = (lateral.position_m, lateral.position_sigma_m());
-    lateral.rest();
-    assert_eq!(lateral, Lateral::first(known.0, known.1));
-    let hypothesis = Hypothesis { probability: 1.0, rate_mps: 0.4, position_m: 0.0, sigma_m: 0.3 };
-    assert_near(hypothesis.sigma_after_m(4.0), f64::sqrt(0.09 + 0.22 * 0.22));
+fn an_uncertain_rate_makes_a_place_uncertain_in_time() {
+    let state = State { probability: 1.0, rate_mps: 0.4, position_m: 0.0, variance_m2: 0.09 };
+    assert_near(state.sigma_after_m(4.0), f64::sqrt(0.09 + 0.22 * 0.22));
 }
 
 /// 0.0075 in 50 ms, shared by the speeds that it can have at first: v²/5.5 m in 0.4 s and half a step.
@@ -190,7 +176,7 @@ fn a_lane_change_begins_with_the_speeds_that_its_circle_allows() {
     let begun = |fastest_mps: f64| {
         let mut keeps = Lateral::known(0.0, 0.0);
         keeps.predict(PERIOD_S, fastest_mps);
-        (1..STATES).map(|k| keeps.probability[k]).filter(|p| *p > 1e-6).collect::<Vec<_>>()
+        (1..STATES).map(|k| keeps.states[k].probability).filter(|p| *p > 1e-6).collect::<Vec<_>>()
     };
     for (fastest_mps, states, all) in
         [(10.0, 20, 0.0075), (f64::INFINITY, 20, 0.0075), (3.0, 6, 0.00225), (2.0, 2, 0.0015)]
@@ -212,28 +198,28 @@ fn a_lane_change_ends_or_varies_its_speed() {
     let lateral = after(state(1.0));
     for (rate_mps, probability) in [(0.8, 0.2), (1.0, 0.585), (1.2, 0.2), (1.4, 0.0)] {
         let state = state(rate_mps);
-        assert_near(lateral.probability[state], probability);
+        assert_near(lateral.states[state].probability, probability);
         if probability > 0.0 {
-            assert_near(lateral.mean_m[state], 0.5 + 0.05 * rate_mps);
-            assert_near(lateral.variance_m2[state], 0.02 + 5e-4);
+            assert_near(lateral.states[state].position_m, 0.5 + 0.05 * rate_mps);
+            assert_near(lateral.states[state].variance_m2, 0.02 + 5e-4);
         }
     }
-    assert_near(lateral.probability[0], 0.015);
-    assert_near(lateral.mean_m[0], 0.5);
+    assert_near(lateral.states[0].probability, 0.015);
+    assert_near(lateral.states[0].position_m, 0.5);
     // The fastest ones have one neighbour.
-    assert_near(after(STATES - 1).probability[STATES - 1], 0.785);
-    assert_near(after(STATES - 1).probability[STATES - 2], 0.2);
-    assert_near(after(1).probability[1], 0.785);
-    assert_near(after(1).probability[2], 0.2);
+    assert_near(after(STATES - 1).states[STATES - 1].probability, 0.785);
+    assert_near(after(STATES - 1).states[STATES - 2].probability, 0.2);
+    assert_near(after(1).states[1].probability, 0.785);
+    assert_near(after(1).states[2].probability, 0.2);
 }
 
 #[test]
 fn no_vehicle_moves_across_faster_than_along() {
     let mut lateral = of_states(&[(state(1.0), 0.5, 0.0, 0.01), (state(-0.6), 0.5, 0.0, 0.01)]);
     lateral.predict(PERIOD_S, 0.9);
-    assert_near(lateral.probability[state(1.0)], 0.0);
-    assert_near(lateral.probability[state(1.2)], 0.0);
-    assert!(lateral.probability[state(-0.6)] > 0.4);
+    assert_near(lateral.states[state(1.0)].probability, 0.0);
+    assert_near(lateral.states[state(1.2)].probability, 0.0);
+    assert!(lateral.states[state(-0.6)].probability > 0.4);
 }
 
 #[test]
@@ -243,10 +229,10 @@ fn a_state_that_others_become_is_their_mixture() {
     // 0.015 of the lane change end, at 2 m. 0.9925 of the other stay.
     let (stay, end) = (0.5 * 0.9925, 0.5 * 0.015);
     let share = end / (stay + end);
-    assert_near(lateral.probability[0], stay + end);
-    assert_near(lateral.mean_m[0], 2.0 * share);
+    assert_near(lateral.states[0].probability, stay + end);
+    assert_near(lateral.states[0].position_m, 2.0 * share);
     let within = 0.01 * (1.0 - share) + 0.03 * share;
-    assert_near(lateral.variance_m2[0], within + 4.0 * share * (1.0 - share) + 5e-4);
+    assert_near(lateral.states[0].variance_m2, within + 4.0 * share * (1.0 - share) + 5e-4);
 }
 
 fn normal(off: f64, variance: f64) -> f64 {
@@ -260,17 +246,17 @@ fn a_position_corrects_means_by_kalman_and_probabilities_by_bayes() {
     let inliers = [0.95 * normal(0.1, 0.04), 0.95 * normal(-0.4, 0.05)];
     let likelihoods = inliers.map(|inlier| inlier + 0.05 * 0.25);
     let sum = 0.6 * likelihoods[0] + 0.4 * likelihoods[1];
-    assert_near(lateral.probability[0], 0.6 * likelihoods[0] / sum);
-    assert_near(lateral.probability[state(1.0)], 0.4 * likelihoods[1] / sum);
+    assert_near(lateral.states[0].probability, 0.6 * likelihoods[0] / sum);
+    assert_near(lateral.states[state(1.0)].probability, 0.4 * likelihoods[1] / sum);
     let gains = [inliers[0] / likelihoods[0] * 0.25, inliers[1] / likelihoods[1] * 0.4];
-    assert_near(lateral.mean_m[0], gains[0] * 0.1);
-    assert_near(lateral.mean_m[state(1.0)], 0.5 - gains[1] * 0.4);
-    assert_near(lateral.variance_m2[0], 0.01 * (1.0 - gains[0]));
-    assert_near(lateral.variance_m2[state(1.0)], 0.02 * (1.0 - gains[1]));
-    let mean_m = lateral.probability[0] * lateral.mean_m[0]
-        + lateral.probability[state(1.0)] * lateral.mean_m[state(1.0)];
+    assert_near(lateral.states[0].position_m, gains[0] * 0.1);
+    assert_near(lateral.states[state(1.0)].position_m, 0.5 - gains[1] * 0.4);
+    assert_near(lateral.states[0].variance_m2, 0.01 * (1.0 - gains[0]));
+    assert_near(lateral.states[state(1.0)].variance_m2, 0.02 * (1.0 - gains[1]));
+    let mean_m = lateral.states[0].probability * lateral.states[0].position_m
+        + lateral.states[state(1.0)].probability * lateral.states[state(1.0)].position_m;
     assert_near(lateral.position_m, mean_m);
-    assert_near(lateral.rate_mps, lateral.probability[state(1.0)]);
+    assert_near(lateral.rate_mps, lateral.states[state(1.0)].probability);
 }
 
 /// A rate of the row stands for 0.2 m/s around it.
@@ -281,8 +267,8 @@ fn a_rate_corrects_the_probabilities() {
     let spread = 0.01 + 0.04 / 12.0;
     let likelihoods = [0.3, -0.1].map(|off| 0.95 * normal(off, spread) + 0.05 * 0.25);
     let sum = likelihoods[0] + likelihoods[1];
-    assert_near(lateral.probability[0], likelihoods[0] / sum);
-    assert_near(lateral.probability[state(0.4)], likelihoods[1] / sum);
+    assert_near(lateral.states[0].probability, likelihoods[0] / sum);
+    assert_near(lateral.states[state(0.4)].probability, likelihoods[1] / sum);
     assert_near(lateral.rate_mps, 0.4 * likelihoods[1] / sum);
 }
 

@@ -1,7 +1,6 @@
 //! Hidden and shown sides and motion of an object, by places computed by hand.
 
 use super::*;
-use crate::corridor::Spread;
 
 /// A car, 4.3 m long, that stands at a place.
 fn stands(distance_m: f64, off_m: f64) -> Object {
@@ -28,15 +27,16 @@ fn it_is_seen_in_the_last_scans_or_in_more_of_a_radar_that_shows_little() {
 fn it_moves_on_and_stops_but_does_not_turn_round() {
     let moved = |speed_mps: f64, acceleration_mps2: f64, ego_mps: f64| {
         let mut object = Object { speed_mps, acceleration_mps2, ..stands(40.0, 0.0) };
-        object.move_along(0.5, ego_mps);
+        object.predict(0.5, ego_mps);
         (object.distance_m, object.speed_mps)
     };
     assert_eq!(moved(10.0, 2.0, 12.0), (40.0 + 5.25 - 6.0, 11.0));
     assert_eq!(moved(2.0, -8.0, 0.0), (40.5, 0.0));
     assert_eq!(moved(-3.0, -8.0, 4.0), (40.0 - 3.5, -3.0), "it comes towards the ego");
-    let aside = Object::at(40.0, 10.0, 2.0, -1.0).moved_on(0.5, 12.0);
-    assert_eq!((aside.distance_m, aside.speed_mps), (39.0, 10.0));
-    assert!((aside.lateral.position_m - 1.5).abs() < 1e-6);
+    let mut aside = Object::at(40.0, 10.0, 2.0, -1.0);
+    aside.predict(0.05, 12.0);
+    assert_eq!((aside.distance_m, aside.speed_mps), (39.9, 10.0));
+    assert!((aside.lateral.position_m - 1.95).abs() < 2e-3, "{aside:?}");
 }
 
 #[test]
@@ -56,31 +56,6 @@ fn a_face_shows_where_its_nearer_corner_is_in_the_field_of_view() {
     // A way that bows to the left shows it there.
     let bowed = Object { bow_m: 1.0, ..stands(10.5, 4.8) };
     assert!(bowed.shows_its_face(0.5) && !Object { bow_m: 1.2, ..bowed }.shows_its_face(0.5));
-}
-
-#[test]
-fn beside_the_ego_it_is_hidden_once_its_last_place_is_out_of_sight() {
-    // The reflecting part ends 0.9 m before the end of the body. Half a metre is doubtful: 2.9 m behind the face.
-    let hidden = |distance_m: f64, off_m: f64| stands(distance_m, off_m).is_hidden_beside(0.5);
-    assert!(hidden(-2.9, 0.0) && hidden(-9.0, 0.0) && !hidden(-2.8, 0.0));
-    // At 2 m ahead, 1 m to the side, the corner 0.9 m nearer.
-    assert!(
-        !hidden(-0.9, 1.89) && hidden(-0.9, 1.91) && !hidden(-0.9, -1.89) && hidden(-0.9, -1.91)
-    );
-}
-
-#[test]
-fn an_object_on_the_axis_stays_there_unseen() {
-    let coasts = |off_m: f64, rate_mps: f64| {
-        let mut object = Object::at(20.0, 10.0, off_m, rate_mps);
-        object.acceleration_mps2 = -3.0;
-        object.coast();
-        assert_eq!(object.acceleration_mps2, 0.0);
-        object.lateral.rate_mps == 0.0
-    };
-    assert!(coasts(0.5, 0.4) && coasts(-0.5, -0.4), "it is beyond the axis");
-    assert!(!coasts(0.5, -0.4) && !coasts(-0.5, 0.4), "it still comes");
-    assert!(coasts(0.89, 0.4) && !coasts(0.91, 0.4));
 }
 
 #[test]
@@ -105,7 +80,7 @@ fn a_side_shows_beside_the_line_of_sight() {
 #[test]
 fn a_corridor_bows_by_half_of_its_curvature_and_the_square_of_the_distance() {
     let mut object = stands(40.0, 0.0);
-    object.see_along(&Corridor::circle(0.005, 0.0, Spread { at_50_m: 0.375, power: 2.0 }));
+    object.see_along(&Corridor::circle(0.005, 0.0, 3e-4));
     assert!((object.bow_m - 4.0).abs() < 0.02, "{object:?}");
     assert!((object.road_rad - 0.2).abs() < 1e-9);
     assert!((object.way_sigma_m - 0.24).abs() < 1e-9);
@@ -113,58 +88,64 @@ fn a_corridor_bows_by_half_of_its_curvature_and_the_square_of_the_distance() {
 
 #[test]
 fn a_line_of_sight_is_hidden_by_a_body_that_it_passes_through() {
+    let hides = |nearer: Object, x_m: f64, y_m: f64| {
+        nearer.covers(x_m).is_some_and(|(right_m, left_m)| right_m < y_m && y_m < left_m)
+    };
     // A body from 10 to 14.3 m, from -0.95 to 0.95 m.
     let nearer = stands(10.0, 0.0);
-    let hides = |x_m: f64, slope: f64| nearer.hides(x_m, x_m * slope);
-    assert!(hides(30.0, 0.094) && !hides(30.0, 0.096), "past its rear corner");
-    assert!(hides(30.0, -0.094) && !hides(30.0, -0.096));
+    assert!(hides(nearer, 30.0, 2.84) && !hides(nearer, 30.0, 2.86), "past its rear corner");
+    assert!(hides(nearer, 30.0, -2.84) && !hides(nearer, 30.0, -2.86));
     // A place half way along it.
-    assert!(hides(12.0, 0.0) && !hides(0.0, 0.0) && !hides(-5.0, 0.0));
+    assert!(hides(nearer, 12.0, 0.0) && !hides(nearer, 0.0, 0.0) && !hides(nearer, -5.0, 0.0));
     // A body beside the line is met where its nearer side ends.
     let beside = stands(10.0, 2.0);
-    assert!(beside.hides(30.0, 30.0 * 0.0735) && !beside.hides(30.0, 30.0 * 0.0733));
-    assert!(beside.hides(30.0, 30.0 * 0.294) && !beside.hides(30.0, 30.0 * 0.296));
+    assert!(hides(beside, 30.0, 30.0 * 0.0735) && !hides(beside, 30.0, 30.0 * 0.0733));
+    assert!(hides(beside, 30.0, 30.0 * 0.294) && !hides(beside, 30.0, 30.0 * 0.296));
     // One beside the ego, from the bumper to 2.3 m. At its end the line is to be 1.05 m to the side.
-    assert!(stands(-2.0, 2.0).hides(30.0, 13.8) && !stands(-2.0, 2.0).hides(30.0, 13.6));
-    assert!(!stands(-4.4, 0.0).hides(30.0, 0.0), "it is passed");
+    assert!(hides(stands(-2.0, 2.0), 30.0, 13.8) && !hides(stands(-2.0, 2.0), 30.0, 13.6));
+    assert_eq!(stands(-4.4, 0.0).covers(30.0), None, "it is passed");
 }
 
-/// The shadow of another car on a car 30 m ahead: its side, and its edge.
-fn shadow(off_m: f64, nearer: Object) -> Option<(f64, f64)> {
-    let found = stands(30.0, off_m).shadow_of(&nearer);
-    found.map(|shadow| (shadow.side, shadow.edge_m))
+/// Bounds of what other cars leave open of a car 30 m ahead.
+fn open_m(off_m: f64, nearer: &[Object]) -> (f64, f64) {
+    let mut object = stands(30.0, off_m);
+    nearer.iter().for_each(|nearer| object.take_shadow(nearer));
+    object.open_m
 }
 
 #[test]
 fn a_nearer_object_hides_one_corner_both_or_none() {
     // The line to the left corner, 0.9 m at 30 m, is 0.3 m to the left at 10 m. The nearer one has a corner there at
     // 0.25 m, and behind it another one that is 14.3 m ahead.
-    let (side, edge_m) = shadow(0.0, stands(10.0, 1.2)).expect("a corner");
-    assert!(side == 1.0 && (edge_m - 0.25 * 30.0 / 14.3).abs() < 1e-6, "{edge_m}");
-    let (side, edge_m) = shadow(0.0, stands(10.0, -1.2)).expect("a corner");
-    assert!(side == -1.0 && (edge_m + 0.25 * 30.0 / 14.3).abs() < 1e-6, "{edge_m}");
-    assert_eq!(shadow(0.0, stands(10.0, 1.4)), None, "beside all lines");
-    assert_eq!(shadow(0.0, stands(10.0, 0.0)), None, "all of it");
+    let edge_m = 0.25 * 30.0 / 14.3;
+    let (right_m, left_m) = open_m(0.0, &[stands(10.0, 1.2)]);
+    assert!(right_m == f64::NEG_INFINITY && (left_m - edge_m).abs() < 1e-6, "{left_m}");
+    let (right_m, left_m) = open_m(0.0, &[stands(10.0, -1.2)]);
+    assert!(left_m == f64::INFINITY && (right_m + edge_m).abs() < 1e-6, "{right_m}");
+    assert_eq!(open_m(0.0, &[stands(10.0, 1.4)]), Object::OPEN_M, "beside all lines");
+    assert_eq!(open_m(0.0, &[stands(10.0, 0.0)]), Object::OPEN_M, "all of it");
     // Not nearer by half a metre, or passed.
-    assert_eq!(shadow(0.0, stands(29.6, 1.2)), None);
-    assert_eq!(shadow(0.0, stands(-8.4, 1.2)), None);
+    assert_eq!(open_m(0.0, &[stands(29.6, 1.2)]), Object::OPEN_M);
+    assert_eq!(open_m(0.0, &[stands(-8.4, 1.2)]), Object::OPEN_M);
 }
 
 #[test]
 fn in_a_queue_beside_the_ego_the_inner_side_is_seen() {
     // Behind another car, both corners are in its shadow when the estimate is somewhat off.
-    let (side, edge_m) = shadow(3.5, stands(23.0, 3.4)).expect("a shadow");
-    assert!(side == 1.0 && (edge_m - 2.45 * 30.0 / 27.3).abs() < 1e-6, "{edge_m}");
-    let (side, _) = shadow(3.9, stands(23.0, 2.9)).expect("a shadow");
-    assert_eq!(side, 1.0);
+    let (right_m, left_m) = open_m(3.5, &[stands(23.0, 3.4)]);
+    assert!(right_m == f64::NEG_INFINITY && (left_m - 2.45 * 30.0 / 27.3).abs() < 1e-6, "{left_m}");
+    assert_eq!(open_m(3.9, &[stands(23.0, 2.9)]).0, f64::NEG_INFINITY);
 }
 
 #[test]
-fn of_two_shadows_the_larger_one_counts() {
-    let of = |side: f64, edge_m: f64| Shadow { side, edge_m };
-    assert_eq!(of(1.0, 2.0).and(of(1.0, 1.5)), Some(of(1.0, 1.5)));
-    assert_eq!(of(-1.0, -2.0).and(of(-1.0, -2.5)), Some(of(-1.0, -2.0)));
-    assert_eq!(of(1.0, 2.0).and(of(-1.0, 1.0)), None, "one from each side");
+fn of_two_shadows_the_larger_one_counts_on_each_side() {
+    let alone = |nearer: Object| open_m(0.0, &[nearer]);
+    let (wide, narrow) = (stands(10.0, 1.15), stands(10.0, 1.2));
+    assert!(alone(wide).1 < alone(narrow).1);
+    assert_eq!(open_m(0.0, &[narrow, wide]), alone(wide));
+    assert_eq!(open_m(0.0, &[wide, narrow]), alone(wide));
+    let right = stands(10.0, -1.2);
+    assert_eq!(open_m(0.0, &[wide, right]), (alone(right).0, alone(wide).1));
 }
 
 #[test]

@@ -172,8 +172,7 @@ fn an_object_half_hidden_by_a_leaving_lead_is_in_the_path() {
     let object = objects.confirmed().find(|object| object.stands()).expect("it is seen");
     // Only its right corner and its middle were.
     assert!(object.lateral.position_m.abs() < 0.4, "{object:?}");
-    let path = Path { half_width_m: 0.95, horizon_s: 3.0 };
-    let stands = objects.threats(path).filter(Object::stands).count();
+    let stands = objects.threats(3.0).filter(Object::stands).count();
     assert_eq!(stands, 2, "and the lead will stand before it");
 }
 
@@ -216,7 +215,7 @@ fn a_radar_that_shows_little_is_given_time() {
 /// another circle.
 mod in_curves {
     use super::*;
-    use crate::corridor::{Corridor, Spread};
+    use crate::corridor::Corridor;
 
     const EGO_MPS: f64 = 20.0;
 
@@ -311,7 +310,7 @@ mod in_curves {
         let mut way = Way::new(0.0, 0.0);
         for k in 0..12 {
             let driven_m = EGO_MPS * 0.05 * k as f64;
-            let road = Corridor::of_cells(&cells, driven_m, 0.0, Spread::default());
+            let road = Corridor::of_cells(&cells, driven_m, 0.0, 0.0);
             let mut course: messages::Course = bytemuck::Zeroable::zeroed();
             course.header.acquisition_ns = 0;
             course.curvatures_perm = cells;

@@ -48,11 +48,15 @@ fn a_face_says_it_by_its_echoes_or_by_its_corners() {
     // A strip of 0.8 m is seen beside a shadow. The middle of the body is 0.5 m farther into it.
     for side in [1.0, -1.0] {
         let expected = (0.025 + side * 0.5, 0.0925 + 0.25 / 12.0);
-        let shadow = Some(Shadow { side, edge_m: 0.025 + side * 0.4 });
-        assert_near(lateral(&Object { shadow, ..object }, &merged, true), expected);
+        let open_m = |edge_m: f64| match side > 0.0 {
+            true => (f64::NEG_INFINITY, edge_m),
+            false => (edge_m, f64::INFINITY),
+        };
+        let shaded = Object { open_m: open_m(0.025 + side * 0.4), ..object };
+        assert_near(lateral(&shaded, &merged, true), expected);
         // The shadow ends beyond the body.
-        let shadow = Some(Shadow { side, edge_m: 0.025 + side * 1.1 });
-        assert_near(lateral(&Object { shadow, ..object }, &merged, true), (0.025, 0.0925));
+        let shaded = Object { open_m: open_m(0.025 + side * 1.1), ..object };
+        assert_near(lateral(&shaded, &merged, true), (0.025, 0.0925));
     }
     let corners = [point(20.0, -0.8, 1.0), point(20.0, 0.9, 3.0)];
     assert_near(lateral(&object, &corners, true), (0.05, 0.01 + 0.0025));

@@ -123,7 +123,7 @@ fn what_stands_is_seen_from_the_place_and_the_heading_after_a_step() {
     let mut way = Way::new(0.0, 0.0);
     way.take(0, 0.16, 20.0);
     // A quarter of a second on a circle of 125 m: 5 m and 0.04 rad.
-    let circle = Corridor::circle(1.0 / 125.0, 0.0, Spread::default());
+    let circle = Corridor::circle(1.0 / 125.0, 0.0, 0.0);
     let (x_m, y_m) = way.passed(circle.to_body(40.0, -3.5), 20.0, 0.25);
     let (along_m, off_m) = circle.to_way(x_m, y_m);
     assert!((along_m - 35.0).abs() < 1e-3 && (off_m + 3.5).abs() < 1e-3, "{along_m} {off_m}");

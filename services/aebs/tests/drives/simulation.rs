@@ -157,7 +157,7 @@ pub fn drive(drive: &Drive) -> Result {
                 &detections[..received.count],
             );
             let own = OwnMotion { speed_mps: ego.speed_mps, acceleration_mps2: acceleration };
-            let demand = decision.step(&own, objects.threats(decision.path()));
+            let demand = decision.step(&own, objects.threats(decision.settings.horizon_s));
             asks = demand.deceleration_mps2 > 0.0;
             if asks && !result.braked && demand.state == BrakeState::Braking {
                 result.braked = true;
