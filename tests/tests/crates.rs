@@ -26,7 +26,7 @@ const LAYERS: [&[&str]; 11] = [
 ];
 
 /// Crates of one layer that depend on each other in this order.
-const WITHIN: [(&str, &str); 9] = [
+const WITHIN: [(&str, &str); 10] = [
     ("fmi", "messages"),
     ("fmi", "openscenario"),
     ("report", "supervise"),
@@ -34,6 +34,7 @@ const WITHIN: [(&str, &str); 9] = [
     ("openscenario", "road"),
     ("road", "random"),
     ("bench", "doctor"),
+    ("sumo", "messages"),
     ("sumo", "openscenario"),
     ("sumo", "road"),
 ];

@@ -268,7 +268,12 @@ fn files_and_programs_that_do_not_fit_are_one_line() {
             "not.sumocfg:1:1: the outermost element is `routes`",
         ),
         (&["gone.sumocfg", "--ego", "a"], "", 2, "gone.net.xml: cannot be opened"),
-        (&["broken.sumocfg", "--ego", "a"], "", 2, "broken.net.xml:1:19: speed=\"x\" of `lane`"),
+        (
+            &["broken.sumocfg", "--ego", "a"],
+            "",
+            2,
+            "broken.net.xml:1:34: attribute `speed` of `lane`: `x` is not",
+        ),
         (&[&grid, "--ego", "through"], "/nowhere", 3, "SUMO: there is no program `sumo`"),
         (&[&grid, "--ego", "through"], &tools, 3, "SUMO: ended at its start: the net is bad."),
     ];

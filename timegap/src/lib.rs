@@ -80,7 +80,7 @@ fn run(command: Command) -> Result<ExitCode, Error> {
         log_warnings();
     }
     match command {
-        Command::Run(arguments) => run::run(&arguments),
+        Command::Run(arguments) => run::run(*arguments),
         Command::Inject(arguments) => inject::run(&arguments),
         Command::Bridge(arguments) => bridge::run(&arguments),
         Command::Rsu(arguments) => rsu::run(&arguments),

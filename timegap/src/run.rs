@@ -10,9 +10,11 @@ use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
 use runtime::{Mode, RuntimeError, Sealing, die_with_this_thread};
 use scenario::Scenario;
+use scenario::quantity::Seed;
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitCode;
 use std::time::Instant;
+use sumo::Seat;
 use supervise::report::Outcome;
 use supervise::{
     Ended, Error, GroupOptions, Keep, Moment, ScenarioOptions, UsageError, check_targets, drive,
@@ -67,7 +69,7 @@ pub struct RunArguments {
     pub bridge: Option<String>,
 }
 
-pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
+pub fn run(mut arguments: RunArguments) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let options = ScenarioOptions {
         parameters: arguments.parameters.clone(),
@@ -76,7 +78,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         is_in_lockstep: arguments.in_process || arguments.mode == Mode::Lockstep,
         ..arguments.scenario_options.clone()
     };
-    let scenario = open(&arguments.scenario, &options)?;
+    let mut scenario = open(&arguments.scenario, &options)?;
     for notice in scenario.notices() {
         eprintln!("{}: {notice}", if arguments.strict { "error" } else { "note" });
     }
@@ -94,7 +96,13 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         return Err(UsageError::at("--in-process", why, "to add --mode lockstep").into());
     }
     if let Some(egos) = arguments.egos {
-        return run_egos(&scenario, arguments, egos);
+        let Some(seat) = Seat::given() else { return run_egos(&scenario, egos) };
+        let out = arguments.results.output.out.as_mut();
+        out.into_iter().for_each(|out| out.push(format!("ego-{}", seat.number)));
+        // The egos before it leave room first.
+        let before = seat.number - 1;
+        arguments.group.ready_timeout += sumo::ROOM_S * f64::from(before);
+        scenario.seed = Seed::of((scenario.seed.value() + u64::from(before)) % i64::MAX as u64);
     }
     let bridge = arguments.bridge.as_deref().map(crate::bridge::address).transpose()?;
     supervise::hold_signals()?;
@@ -163,26 +171,15 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     })
 }
 
-/// Drives the egos, each by this command without `--egos`. The verdict is the worst of theirs.
-fn run_egos(scenario: &Scenario, arguments: &RunArguments, egos: u32) -> Result<ExitCode, Error> {
+/// Drives the egos, each by this command with a seat. The verdict is the worst of theirs.
+fn run_egos(scenario: &Scenario, egos: u32) -> Result<ExitCode, Error> {
     let Some(config) = &scenario.traffic.sumo else {
         let why = "SUMO does not have the traffic";
         return Err(UsageError::option("--egos", egos, why, "a scenario with traffic.sumo").into());
     };
-    let run = |number: u32| {
-        let mut run = sumo::this_command(&["--egos", "--out", "--seed", "--ready-timeout"])?;
-        if let Some(out) = &arguments.results.output.out {
-            run.arg("--out").arg(out.join(format!("ego-{number}")));
-        }
-        let ready_s = arguments.group.ready_timeout + sumo::ROOM_S * f64::from(number - 1);
-        run.arg(format!("--seed={}", scenario.seed.value() + u64::from(number) - 1));
-        run.arg(format!("--ready-timeout={ready_s}"));
-        die_with_this_thread(&mut run);
-        Ok(run)
-    };
     let (program, deadline_s) = ((&**config, scenario.seed.value()), scenario.traffic.deadline_s);
-    let sumo = sumo::Shared::start(program, deadline_s.value(), &mut Alone::default());
-    let done = sumo.and_then(|sumo| sumo.drive((1..=egos).map(run)));
+    let (deadline_s, alone) = (deadline_s.value(), &mut Alone::default());
+    let done = sumo::drive_egos(program, deadline_s, alone, egos, die_with_this_thread);
     let done = done.map_err(|error| RuntimeError::Program(Box::new(error)))?;
     let mut worst = 0;
     for (output, number) in done.iter().zip(1..) {

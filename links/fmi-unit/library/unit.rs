@@ -1,5 +1,5 @@
-//! The library of an exported unit: FMI 2.0's functions around a process of `timegap`, which stands in the unit's
-//! resources or whose path stands there. Numbers go through two pipes.
+//! The library of an exported unit: FMI 2.0's functions around a process of `timegap`, which the unit's resources have.
+//! Numbers go through two pipes.
 //!
 //! ```text
 //! question: 1 to begin or 2 to step │ step, s │ 64 values by number         answer: 64 values
@@ -50,17 +50,11 @@ impl Instance {
         }
     }
 
+    /// Starts the process: the program in the unit's resources.
     fn start(&self) -> io::Result<Child> {
-        let linked = fs::read_to_string(self.resources.join("program")).ok();
-        let program = match linked {
-            Some(path) => PathBuf::from(path.trim()),
-            None => {
-                let copy = self.resources.join("timegap");
-                // Masters that unpack a unit may forget that a file is a program.
-                fs::set_permissions(&copy, fs::Permissions::from_mode(0o755))?;
-                copy
-            }
-        };
+        let program = self.resources.join("timegap");
+        // Masters that unpack a unit may forget that a file is a program.
+        fs::set_permissions(&program, fs::Permissions::from_mode(0o755))?;
         Command::new(program)
             .args(["service", "unit"])
             .arg(&self.resources)
@@ -170,13 +164,9 @@ functions! {
             drop(unsafe { Box::from_raw(instance) });
         }
     }
-    fmi2SetDebugLogging(_i: *mut Instance, _on: c_int, _n: usize, _c: *const Text) -> c_int { OK }
-    fmi2SetupExperiment(_i: *mut Instance, _d: c_int, _t: f64, _start: f64, _e: c_int, _stop: f64) -> c_int { OK }
-    fmi2EnterInitializationMode(_i: *mut Instance) -> c_int { OK }
     fmi2ExitInitializationMode(instance: *mut Instance) -> c_int {
         with(instance, |own| own.ask(1.0, 0.0))
     }
-    fmi2Terminate(_i: *mut Instance) -> c_int { OK }
     fmi2Reset(instance: *mut Instance) -> c_int {
         with(instance, |own| {
             // The process gives its start to each value that is not a number.
@@ -210,12 +200,16 @@ without! {
     fmi2SetInteger fmi2SetBoolean fmi2SetString fmi2GetInteger fmi2GetBoolean fmi2GetString
 }
 
-macro_rules! refused {
-    ($($name:ident)*) => { $(#[unsafe(no_mangle)] pub extern "C" fn $name() -> c_int { ERROR })* };
+/// Functions with one answer, whatever their arguments.
+macro_rules! constant {
+    ($($status:ident: $($name:ident)*;)*) => {
+        $($(#[unsafe(no_mangle)] pub extern "C" fn $name() -> c_int { $status })*)*
+    };
 }
 
-refused! {
-    fmi2GetFMUstate fmi2SetFMUstate fmi2FreeFMUstate fmi2SerializedFMUstateSize fmi2SerializeFMUstate
+constant! {
+    OK: fmi2SetDebugLogging fmi2SetupExperiment fmi2EnterInitializationMode fmi2Terminate;
+    ERROR: fmi2GetFMUstate fmi2SetFMUstate fmi2FreeFMUstate fmi2SerializedFMUstateSize fmi2SerializeFMUstate
     fmi2DeSerializeFMUstate fmi2GetDirectionalDerivative fmi2SetRealInputDerivatives fmi2GetRealOutputDerivatives
-    fmi2CancelStep fmi2GetStatus fmi2GetRealStatus fmi2GetIntegerStatus fmi2GetBooleanStatus fmi2GetStringStatus
+    fmi2CancelStep fmi2GetStatus fmi2GetRealStatus fmi2GetIntegerStatus fmi2GetBooleanStatus fmi2GetStringStatus;
 }

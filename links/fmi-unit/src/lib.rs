@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! unit.fmu ── binaries/linux64/unit.so      FMI 2.0's functions, one file of Rust without a crate (library/unit.rs)
-//!          ├─ resources/timegap             this program, or `resources/program` with its path
+//!          ├─ resources/timegap             this program, or a script that starts it where it stands
 //!          ├─ resources/scenario.toml       the law with its keys; `resources/loop` if it is in the loop
 //!          └─ modelDescription.xml
 //! ```
@@ -80,15 +80,16 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     let library = format!("binaries/{platform}/unit.so");
     let program =
         std::env::current_exe().map_err(Error::path("find", Path::new("this program")))?;
-    let (kind, own) = match arguments.link {
-        true => ("resources/program", program.display().to_string().into_bytes()),
-        false => ("resources/timegap", fs::read(&program).map_err(Error::path("read", &program))?),
+    let quoted = program.display().to_string().replace('\'', r"'\''");
+    let own = match arguments.link {
+        true => format!("#!/bin/sh\nexec '{quoted}' \"$@\"\n").into_bytes(),
+        false => fs::read(&program).map_err(Error::path("read", &program))?,
     };
     let mut files = vec![
         ("modelDescription.xml", description.as_bytes()),
         (library.as_str(), LIBRARY),
         ("resources/scenario.toml", text.as_bytes()),
-        (kind, own.as_slice()),
+        ("resources/timegap", own.as_slice()),
     ];
     if arguments.plant {
         files.push(("resources/loop", b"\n"));

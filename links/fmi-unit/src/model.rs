@@ -54,13 +54,11 @@ impl Model {
         })?;
         let law = (descriptor.build)(&law::Reader::new(&scenario))?;
         let deployment = is_loop.then(|| Deployment::new(&scenario, 1));
-        let ports = if is_loop { ports::LOOP } else { ports::LAW };
-        let output = Output::default();
         Ok(Self {
-            ports,
+            ports: if is_loop { ports::LOOP } else { ports::LAW },
             scenario,
             law,
-            output,
+            output: Output::default(),
             time_s: 0.0,
             released: 0,
             position_m: 0.0,
@@ -79,10 +77,8 @@ impl Model {
         (self.time_s, self.released, self.position_m) = (0.0, 0, 0.0);
         self.output = Output::default();
         if self.deployment.is_some() {
-            let speed_mps = values[5].clamp(0.0, 100.0);
-            if let Ok(speed) = Speed::try_from(speed_mps) {
-                self.scenario.plant.initial_speed_mps = speed;
-            }
+            let speed = Speed::try_from(values[5].clamp(0.0, 100.0));
+            self.scenario.plant.initial_speed_mps = speed.expect("a speed of a vehicle");
             self.deployment = Some(Deployment::new(&self.scenario, values[11] as u64));
             self.show(values);
         }

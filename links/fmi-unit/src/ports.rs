@@ -1,7 +1,5 @@
 //! The variables of an exported unit, and its model description.
 
-use std::fmt::Write;
-
 /// A variable, whose number is its place in the list.
 pub struct Port {
     pub name: &'static str,
@@ -68,7 +66,20 @@ const UNITS: [(&str, &str, &str); 5] = [
 pub fn description(ports: &[Port], name: &str, token: &str, step_s: f64) -> String {
     let unit = |(_, name, base)| format!("    <Unit name=\"{name}\"><BaseUnit {base}/></Unit>\n");
     let units: String = UNITS.map(unit).concat();
-    let mut text = format!(
+    let variable = |(number, port): (usize, &Port)| {
+        let Port { name, part, start, meaning } = port;
+        let end = name.rsplit('_').next();
+        let unit = UNITS.iter().find(|(of, ..)| Some(*of) == end);
+        let unit = unit.map_or(String::new(), |(_, unit, _)| format!(r#" unit="{unit}""#));
+        let start = if *part == OUTPUT { String::new() } else { format!(r#" start="{start}""#) };
+        format!(
+            r#"    <ScalarVariable name="{name}" valueReference="{number}" {part} description="{meaning}"><Real{unit}{start}/></ScalarVariable>"#
+        )
+    };
+    let variables = ports.iter().enumerate().map(variable).collect::<Vec<_>>().join("\n");
+    let outputs = ports.iter().zip(1..).filter(|(port, _)| port.part == OUTPUT);
+    let unknowns: String = outputs.map(|(_, k)| format!(r#"<Unknown index="{k}"/>"#)).collect();
+    format!(
         r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{token}" generationTool="timegap" variableNamingConvention="flat">
   <CoSimulation modelIdentifier="unit" needsExecutionTool="false" canHandleVariableCommunicationStepSize="true"/>
@@ -76,27 +87,10 @@ pub fn description(ports: &[Port], name: &str, token: &str, step_s: f64) -> Stri
 {units}  </UnitDefinitions>
   <DefaultExperiment stepSize="{step_s}"/>
   <ModelVariables>
+{variables}
+  </ModelVariables>
+  <ModelStructure><Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>
+</fmiModelDescription>
 "#
-    );
-    let (mut outputs, mut unknowns) = (String::new(), String::new());
-    for (number, Port { name, part, start, meaning }) in ports.iter().enumerate() {
-        let is_output = *part == OUTPUT;
-        let end = name.rsplit('_').next();
-        let unit = UNITS.iter().find(|(of, ..)| Some(*of) == end);
-        let unit = unit.map_or(String::new(), |(_, unit, _)| format!(r#" unit="{unit}""#));
-        let start = if is_output { String::new() } else { format!(r#" start="{start}""#) };
-        if is_output {
-            let _ = write!(unknowns, r#"<Unknown index="{}"/>"#, number + 1);
-        }
-        let _ = writeln!(
-            outputs,
-            r#"    <ScalarVariable name="{name}" valueReference="{number}" {part} description="{meaning}"><Real{unit}{start}/></ScalarVariable>"#
-        );
-    }
-    let _ = write!(
-        text,
-        "{outputs}  </ModelVariables>\n  <ModelStructure><Outputs>{unknowns}</Outputs>\
-         <InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>\n</fmiModelDescription>\n"
-    );
-    text
+    )
 }

@@ -13,7 +13,6 @@ use std::path::Path;
 /// Longest file of a unit, bytes.
 const MAX_FILE: u64 = 4 << 30;
 
-/// An archive in memory.
 pub struct Archive {
     place: String,
     bytes: Vec<u8>,
@@ -22,7 +21,6 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// Opens an archive and reads its table.
     pub fn open(path: &Path) -> Result<Self, UnitError> {
         let place = path.display().to_string();
         let refuse =
@@ -41,7 +39,6 @@ impl Archive {
         Ok(Self { place, bytes, entries })
     }
 
-    /// Names of the files.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.entries.iter().map(|(name, ..)| name.as_str())
     }

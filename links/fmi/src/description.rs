@@ -3,26 +3,69 @@
 use crate::UnitError;
 use crate::measure::Measure;
 use openscenario::xml::{self, Document, Element};
-use std::collections::BTreeMap;
 
 /// The file in a unit.
 pub const FILE: &str = "modelDescription.xml";
 
-/// Version of the interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
     Two,
     Three,
 }
 
-/// Bytes of a variable's value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    Float(usize),
-    Signed(usize),
-    Unsigned(usize),
-    Boolean(usize),
+/// A type with one number as its value, which stands in the first of eight bytes.
+#[derive(Debug)]
+pub struct Type {
+    version: Version,
+    /// Name of its element.
+    element: &'static str,
+    /// End of the names of the functions that set and get it.
+    pub suffix: &'static str,
+    pub encode: fn(f64) -> [u8; 8],
+    pub decode: fn([u8; 8]) -> f64,
 }
+
+macro_rules! types {
+    ($($version:ident $element:literal $suffix:literal $number:ident $clean:expr;)*) => {
+        &[$(Type {
+            version: Version::$version,
+            element: $element,
+            suffix: $suffix,
+            encode: |value| {
+                let mut room = [0; 8];
+                let bytes = ($clean(value) as $number).to_ne_bytes();
+                room[..bytes.len()].copy_from_slice(&bytes);
+                room
+            },
+            decode: |room| {
+                $clean($number::from_ne_bytes(std::array::from_fn(|k| room[k])) as f64)
+            },
+        }),*]
+    };
+}
+
+fn truth(value: f64) -> f64 {
+    f64::from(u8::from(value != 0.0))
+}
+
+static TYPES: &[Type] = types! {
+    Two "Real" "Real" f64 f64::from;
+    Two "Integer" "Integer" i32 f64::round;
+    Two "Enumeration" "Integer" i32 f64::round;
+    Two "Boolean" "Boolean" i32 truth;
+    Three "Float32" "Float32" f32 f64::from;
+    Three "Float64" "Float64" f64 f64::from;
+    Three "Int8" "Int8" i8 f64::round;
+    Three "UInt8" "UInt8" u8 f64::round;
+    Three "Int16" "Int16" i16 f64::round;
+    Three "UInt16" "UInt16" u16 f64::round;
+    Three "Int32" "Int32" i32 f64::round;
+    Three "UInt32" "UInt32" u32 f64::round;
+    Three "Int64" "Int64" i64 f64::round;
+    Three "UInt64" "UInt64" u64 f64::round;
+    Three "Enumeration" "Int64" i64 f64::round;
+    Three "Boolean" "Boolean" u8 truth;
+};
 
 /// A variable with one number as its value.
 #[derive(Clone, Debug)]
@@ -33,9 +76,7 @@ pub struct Variable {
     pub causality: String,
     /// Its start may be set before the unit initialises.
     pub has_start: bool,
-    pub kind: Kind,
-    /// End of the names of the functions that set and get it.
-    pub suffix: String,
+    pub kind: &'static Type,
     /// Name of its unit of measure, and the unit; the unit is none when nothing defines the name.
     pub measure: Option<(String, Option<Measure>)>,
 }
@@ -53,28 +94,6 @@ pub struct Description {
     /// Step that it proposes and cannot vary, s.
     pub proposed_s: Option<f64>,
     pub variables: Vec<Variable>,
-}
-
-/// Type of an element: the end of its functions' names, and its bytes. Version 3 has the bits in the name.
-fn type_of(version: Version, name: &str) -> Option<(&str, Kind)> {
-    match (version, name) {
-        (Version::Two, "Real") => Some((name, Kind::Float(8))),
-        (Version::Two, "Integer" | "Enumeration") => Some(("Integer", Kind::Signed(4))),
-        (Version::Two, "Boolean") => Some((name, Kind::Boolean(4))),
-        (Version::Two, _) => None,
-        (Version::Three, "Boolean") => Some((name, Kind::Boolean(1))),
-        (Version::Three, "Enumeration") => Some(("Int64", Kind::Signed(8))),
-        (Version::Three, _) => {
-            let (word, bits) = name.split_at(name.find(|c: char| c.is_ascii_digit())?);
-            let bytes = [8, 16, 32, 64].into_iter().find(|known| bits == known.to_string())? / 8;
-            match word {
-                "Float" if bytes >= 4 => Some((name, Kind::Float(bytes))),
-                "Int" => Some((name, Kind::Signed(bytes))),
-                "UInt" => Some((name, Kind::Unsigned(bytes))),
-                _ => None,
-            }
-        }
-    }
 }
 
 impl Description {
@@ -106,10 +125,12 @@ impl Description {
             })
         };
         let token = if version == Version::Two { "guid" } else { "instantiationToken" };
-        let number = |text: Option<&str>| text.and_then(|text| text.trim().parse::<f64>().ok());
         let varies = kind.attribute("canHandleVariableCommunicationStepSize") == Some("true");
         let proposed = root.child("DefaultExperiment").and_then(|e| e.attribute("stepSize"));
-        let step = |text| number(text).filter(|step_s| step_s.is_finite() && *step_s > 0.0);
+        let step = |text: Option<&str>| {
+            let step_s = text?.trim().parse::<f64>().ok();
+            step_s.filter(|step_s| step_s.is_finite() && *step_s > 0.0)
+        };
         let identifier = attribute(kind, "modelIdentifier")?;
         if identifier.is_empty() || identifier.contains(['/', '\0']) {
             return Err(refuse(format!("model identifier `{identifier}`"), "a file's name"));
@@ -125,37 +146,23 @@ impl Description {
     }
 }
 
-/// Measures by the names of units, and the units' names by the names of types.
-struct Names<'a> {
-    units: BTreeMap<&'a str, Option<Measure>>,
-    types: BTreeMap<&'a str, &'a str>,
-}
-
-impl<'a> Names<'a> {
-    fn of(root: &'a Element) -> Self {
-        let children = |name: &str| root.child(name).map_or(&[][..], |list| &list.children);
-        let units = children("UnitDefinitions")
-            .iter()
-            .filter_map(|unit| Some((unit.attribute("name")?, Measure::defined(unit))))
-            .collect();
-        let types = children("TypeDefinitions").iter().filter_map(|kind| {
-            let inner = kind.children.iter().find_map(|inner| inner.attribute("unit"));
-            Some((kind.attribute("name")?, kind.attribute("unit").or(inner)?))
-        });
-        Self { units, types: types.collect() }
-    }
-
-    fn measure(&self, element: &'a Element) -> Option<(String, Option<Measure>)> {
-        let declared = || self.types.get(element.attribute("declaredType")?).copied();
-        let name = element.attribute("unit").or_else(declared)?;
-        let defined = self.units.get(name).copied().flatten();
-        Some((name.to_owned(), defined.or_else(|| Measure::named(name))))
-    }
+/// Name of an element's unit of measure, and the unit. An element may have it by its type.
+fn measure(root: &Element, element: &Element) -> Option<(String, Option<Measure>)> {
+    let named = |list: &str, name: &str| {
+        root.child(list)?.children.iter().find(|one| one.attribute("name") == Some(name))
+    };
+    let declared = || {
+        let kind = named("TypeDefinitions", element.attribute("declaredType")?)?;
+        let inner = || kind.children.iter().find_map(|inner| inner.attribute("unit"));
+        kind.attribute("unit").or_else(inner)
+    };
+    let name = element.attribute("unit").or_else(declared)?;
+    let defined = named("UnitDefinitions", name).and_then(Measure::defined);
+    Some((name.to_owned(), defined.or_else(|| Measure::named(name))))
 }
 
 /// The scalar variables with a number as value; others cannot be exchanged.
 fn variables(root: &Element, version: Version, file: &str) -> Result<Vec<Variable>, UnitError> {
-    let names = Names::of(root);
     let Some(list) = root.child("ModelVariables") else {
         return Err(UnitError::new(file, "no element `ModelVariables`", "one"));
     };
@@ -167,7 +174,8 @@ fn variables(root: &Element, version: Version, file: &str) -> Result<Vec<Variabl
             Version::Three => Some(element),
         };
         let Some(typed) = typed else { continue };
-        let Some((suffix, kind)) = type_of(version, &typed.name) else { continue };
+        let is_typed = |kind: &&Type| kind.version == version && kind.element == typed.name;
+        let Some(kind) = TYPES.iter().find(is_typed) else { continue };
         if element.child("Dimension").is_some() {
             continue;
         }
@@ -185,8 +193,7 @@ fn variables(root: &Element, version: Version, file: &str) -> Result<Vec<Variabl
             has_start: matches!(causality, "input" | "parameter")
                 || is("initial", "exact") && !is("variability", "constant"),
             kind,
-            suffix: suffix.to_owned(),
-            measure: names.measure(typed),
+            measure: measure(root, typed),
         });
     }
     Ok(found)

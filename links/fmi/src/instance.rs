@@ -7,7 +7,7 @@
 #![allow(unsafe_code)]
 
 use crate::UnitError;
-use crate::description::{Description, Kind, Variable, Version};
+use crate::description::{Description, Variable, Version};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::ptr::{null, null_mut};
@@ -103,16 +103,13 @@ impl Instance {
             Version::Two => format!("file://{}", resources.display()),
             Version::Three => format!("{}/", resources.display()),
         };
-        let text = |text: &str| {
-            let fault = |_| UnitError::new(place, "a zero byte in a name", "none");
-            CString::new(text).map_err(fault)
-        };
+        let text = |text: &str| CString::new(text).expect("neither XML nor a path has zeros");
         Ok(Self {
             place: place.to_owned(),
             version: description.version,
             library,
-            token: text(&description.token)?,
-            resources: text(&resources)?,
+            token: text(&description.token),
+            resources: text(&resources),
             component: null_mut(),
             time_s: 0.0,
         })
@@ -156,14 +153,17 @@ impl Instance {
     }
 
     /// Begins anew: a new instance with these starts, initialised at time 0.
-    pub fn begin(&mut self, starts: &[(&Variable, f64)]) -> Result<(), UnitError> {
+    pub fn begin<'a>(
+        &mut self,
+        starts: impl Iterator<Item = (&'a Variable, f64)>,
+    ) -> Result<(), UnitError> {
         self.end();
         (self.component, self.time_s) = (self.instantiate()?, 0.0);
         if self.component.is_null() {
             return Err(self.refuse("it cannot be instantiated", "an instance"));
         }
         for (variable, value) in starts {
-            self.set(variable, *value)?;
+            self.set(variable, value)?;
         }
         let (unit, enter) = (self.component, "EnterInitializationMode");
         match self.version {
@@ -202,7 +202,7 @@ impl Instance {
 
     /// Sets a variable to a number in the unit's own measure.
     pub fn set(&self, variable: &Variable, value: f64) -> Result<(), UnitError> {
-        let mut bytes = encode(variable.kind, value);
+        let mut bytes = (variable.kind.encode)(value);
         self.exchange("Set", variable, &mut bytes)
     }
 
@@ -210,14 +210,14 @@ impl Instance {
     pub fn get(&self, variable: &Variable) -> Result<f64, UnitError> {
         let mut bytes = [0; 8];
         self.exchange("Get", variable, &mut bytes)?;
-        Ok(decode(variable.kind, bytes))
+        Ok((variable.kind.decode)(bytes))
     }
 
     /// Sets or gets one variable: room for one value of any type. The functions that set read it alone.
     fn exchange(&self, way: &str, of: &Variable, value: &mut [u8; 8]) -> Result<(), UnitError> {
         let (unit, reference, value) =
             (self.component, &raw const of.reference, value.as_mut_ptr().cast());
-        let name = format!("{way}{}", of.suffix);
+        let name = format!("{way}{}", of.kind.suffix);
         let status = match self.version {
             Version::Two => call!(self.&name; unit => Pointer, reference => *const u32, 1 => usize,
                 value => Pointer; c_int),
@@ -229,7 +229,6 @@ impl Instance {
         self.check(&format!("{name} of `{}`", of.name), status)
     }
 
-    /// Moves on by `step_s`.
     pub fn step(&mut self, step_s: f64) -> Result<(), UnitError> {
         let (unit, time_s) = (self.component, self.time_s);
         let (mut event, mut terminates, mut early) = (false, false, false);
@@ -307,28 +306,4 @@ fn python() -> Option<(String, String)> {
     let text = String::from_utf8(output.stdout).ok()?;
     let (library, home) = text.trim().split_once('\n')?;
     Some((library.to_owned(), home.to_owned()))
-}
-
-/// The bytes of a number as a type has them.
-fn encode(kind: Kind, value: f64) -> [u8; 8] {
-    match kind {
-        Kind::Float(4) => (u64::from((value as f32).to_bits())).to_le_bytes(),
-        Kind::Float(_) => value.to_le_bytes(),
-        Kind::Signed(_) => (value.round() as i64).to_le_bytes(),
-        Kind::Unsigned(_) => (value.round() as u64).to_le_bytes(),
-        Kind::Boolean(_) => u64::from(value != 0.0).to_le_bytes(),
-    }
-}
-
-/// The number of a type's bytes.
-fn decode(kind: Kind, bytes: [u8; 8]) -> f64 {
-    let whole = u64::from_le_bytes(bytes);
-    let cut = |count: usize| 64 - 8 * count as u32;
-    match kind {
-        Kind::Float(4) => f32::from_bits(whole as u32).into(),
-        Kind::Float(_) => f64::from_bits(whole),
-        Kind::Signed(count) => ((whole << cut(count)) as i64 >> cut(count)) as f64,
-        Kind::Unsigned(count) => (whole << cut(count) >> cut(count)) as f64,
-        Kind::Boolean(count) => f64::from(u8::from(whole << cut(count) != 0)),
-    }
 }

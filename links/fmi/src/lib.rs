@@ -19,12 +19,11 @@ mod measure;
 mod quantity;
 mod serve;
 mod unit;
-mod vehicle;
 mod wiring;
 
 pub use archive::pack;
+pub use quantity::{Motion, Request};
 pub use serve::run;
-pub use vehicle::{Motion, Request};
 
 use messages::LawInput;
 use std::os::unix::fs::PermissionsExt;
@@ -56,7 +55,7 @@ pub fn check_law(path: &Path, words: &[String]) -> Result<(), UnitError> {
 /// # Errors
 /// Names the part that is wrong.
 pub fn check_vehicle(path: &Path, words: &[String]) -> Result<bool, UnitError> {
-    Ok(Unit::<Request, _>::read(path, words)?.wiring.has("initial_speed_mps"))
+    Unit::<Request, _>::read(path, words).map(|unit| unit.begins_as_given())
 }
 
 /// True if the system can run the file at `path`.
@@ -91,9 +90,7 @@ pub fn host(part: &str) -> Result<Vec<String>, UnitError> {
 pub struct UnitError {
     /// The file, or a file inside it.
     pub place: String,
-    /// The fault.
     pub fault: String,
-    /// The right form.
     pub expected: String,
 }
 

@@ -23,15 +23,12 @@ pub struct Measure {
 }
 
 /// Names that units use without a definition, or as the end of a variable's name.
-const KNOWN: [(&[&str], Dimension, f64); 15] = [
+const KNOWN: [(&[&str], Dimension, f64); 16] = [
     (&["m/s", "m.s-1", "m s-1", "m*s^-1", "meter/second", "mps"], SPEED, 1.0),
     (&["km/h", "kph", "kmh", "kmph"], SPEED, 1.0 / 3.6),
     (&["mph", "mi/h", "mile/h"], SPEED, 0.447_04),
-    (
-        &["m/s2", "m/s^2", "m/s²", "m/(s2)", "m/(s^2)", "m.s-2", "mps2", "ms2", "m/s/s"],
-        ACCELERATION,
-        1.0,
-    ),
+    (&["m/s2", "m/s^2", "m/s²", "m.s-2", "mps2", "ms2", "m/s/s"], ACCELERATION, 1.0),
+    (&["m/(s2)", "m/(s^2)"], ACCELERATION, 1.0),
     // Standard gravity; `g` alone may be a gram.
     (&["g0", "gn", "g_n"], ACCELERATION, 9.806_65),
     (&["m", "meter", "metre"], LENGTH, 1.0),
@@ -72,26 +69,17 @@ impl Measure {
         })
     }
 
-    /// The SI value of a number.
     pub fn to_si(self, number: f64) -> f64 {
         self.factor * number + self.offset
     }
 
-    /// The number of an SI value.
     pub fn of_si(self, value: f64) -> f64 {
         (value - self.offset) / self.factor
     }
 }
 
-/// A name for a dimension.
 pub fn dimension_name(dimension: Dimension) -> &'static str {
-    match dimension {
-        LENGTH => "m",
-        TIME => "s",
-        SPEED => "m/s",
-        ACCELERATION => "m/s2",
-        TORQUE => "N.m",
-        FORCE => "N",
-        _ => "a number without unit",
-    }
+    let mut si = KNOWN.iter().filter(|(_, known, factor)| *known == dimension && *factor == 1.0);
+    let name = si.next().filter(|_| dimension != NUMBER);
+    name.map_or("a number without unit", |(names, ..)| names[0])
 }

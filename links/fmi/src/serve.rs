@@ -6,9 +6,8 @@
 
 use crate::UnitError;
 use crate::instance::Instance;
-use crate::quantity::Flow;
+use crate::quantity::{Flow, Request};
 use crate::unit::{Part, Unit};
-use crate::vehicle::{Head, Request};
 use bytemuck::Pod;
 use messages::LawInput;
 use std::fs::{self, DirBuilder, File};
@@ -21,20 +20,14 @@ use std::process::{Child, Command, ExitCode, Stdio};
 /// Most steps of a unit for one question: one that was late catches up.
 const MOST_STEPS: u32 = 1000;
 
-/// Runs the process `timegap service fmu WHAT ...`: `law UNIT WORDS`, `vehicle UNIT WORDS` or `clean DIRECTORY`.
+/// Runs the process `timegap service fmu WHAT ...`: `law UNIT WORDS` or `vehicle UNIT WORDS`.
 pub fn run(arguments: &[String]) -> ExitCode {
     let served = match arguments {
         [what, unit, words @ ..] if what == "law" => serve::<_, LawInput>(Path::new(unit), words),
         [what, unit, words @ ..] if what == "vehicle" => {
             serve::<_, Request>(Path::new(unit), words)
         }
-        [what, directory] if what == "clean" => {
-            // Until the other process is gone.
-            let _ = io::copy(&mut io::stdin(), &mut io::sink());
-            let _ = fs::remove_dir_all(directory);
-            return ExitCode::SUCCESS;
-        }
-        _ => Err(UnitError::new("timegap service fmu", "other words", "law, vehicle or clean")),
+        _ => Err(UnitError::new("timegap service fmu", "other words", "law or vehicle")),
     };
     match served {
         Ok(()) => ExitCode::SUCCESS,
@@ -57,8 +50,9 @@ impl Unpacked {
         // The remains of another process that had this number.
         let _ = fs::remove_dir_all(&path);
         DirBuilder::new().mode(0o700).create(&path)?;
-        let companion = Command::new(std::env::current_exe()?)
-            .args(["service", "fmu", "clean"])
+        // It reads until this process is gone.
+        let companion = Command::new("sh")
+            .args(["-c", "cat; rm -rf -- \"$0\""])
             .arg(&path)
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
@@ -102,7 +96,7 @@ fn serve<A: Pod, Q: Part<A> + Pod>(path: &Path, words: &[String]) -> Result<(), 
         if answers.write_all(bytemuck::bytes_of(&answer)).is_err() {
             break;
         }
-        if std::mem::take(&mut is_first) && !running.has_start() {
+        if std::mem::take(&mut is_first) && !unit.begins_as_given() {
             // The first question only proves the unit: the second one finds a new instance.
             running.begin(&question)?;
         }
@@ -123,28 +117,19 @@ struct Running<'a, Q: 'static, A: 'static> {
 impl<A: Pod, Q: Part<A> + Pod> Running<'_, Q, A> {
     fn begin(&mut self, question: &Q) -> Result<(), UnitError> {
         let wiring = &self.unit.wiring;
-        let mut starts: Vec<_> =
-            wiring.starts.iter().map(|(variable, value)| (variable, *value)).collect();
-        for (quantity, variable, measure) in &wiring.wires {
-            if let Flow::Start(value) = quantity.flow {
-                starts.push((variable, measure.of_si(value(question))));
-            }
-        }
-        self.instance.begin(&starts)?;
+        let given = wiring.starts.iter().map(|(variable, value)| (variable, *value));
+        let own = wiring.wires.iter().filter_map(|(quantity, variable, measure)| {
+            let Flow::Start(value) = quantity.flow else { return None };
+            Some((variable, measure.of_si(value(question))))
+        });
+        self.instance.begin(given.chain(own))?;
         self.is_fresh = true;
         Ok(())
     }
 
-    /// True if each beginning has a value of its own.
-    fn has_start(&self) -> bool {
-        self.unit.wiring.wires.iter().any(|(q, ..)| matches!(q.flow, Flow::Start(_)))
-    }
-
     fn answer(&mut self, question: &Q) -> Result<A, UnitError> {
-        let asked = bytemuck::bytes_of(question);
-        let Head { sequence, reset, time_s, period_s } =
-            bytemuck::pod_read_unaligned(&asked[..size_of::<Head>()]);
-        if reset != 0 && (!self.is_fresh || self.has_start()) {
+        let (sequence, reset, time_s, period_s) = question.head();
+        if reset != 0 && (!self.is_fresh || self.unit.begins_as_given()) {
             self.begin(question)?;
         }
         if self.is_fresh {

@@ -3,8 +3,7 @@
 use crate::UnitError;
 use crate::archive::Archive;
 use crate::description::{Description, FILE, Version};
-use crate::quantity::{LAW, Quantity, VEHICLE};
-use crate::vehicle::{Motion, Request};
+use crate::quantity::{LAW, Motion, Quantity, Request, VEHICLE};
 use crate::wiring::Wiring;
 use messages::{LawAnswer, LawInput};
 use std::path::Path;
@@ -28,10 +27,12 @@ pub struct Unit<Q: 'static, A: 'static> {
 
 /// Questions and answers of a part.
 pub trait Part<A: 'static>: Sized + 'static {
-    /// All quantities of the part.
     const QUANTITIES: &'static [Quantity<Self, A>];
     /// Quantities without which a unit is of no use; alternatives stand in one text.
     const NEEDED: &'static [&'static str];
+
+    /// Number, reset, time and period of a question, s.
+    fn head(&self) -> (u64, u64, f64, f64);
 
     /// Fault of the answer to a question that began anew, and what was expected.
     fn fault(&self, _answer: &A) -> Option<(String, String)> {
@@ -43,12 +44,20 @@ impl Part<LawAnswer> for LawInput {
     const QUANTITIES: &'static [Quantity<Self, LawAnswer>] = LAW;
     const NEEDED: &'static [&'static str] =
         &["request_mps2", "speed_mps|gap_m|relative_speed_mps|set_speed_mps|target_speed_mps"];
+
+    fn head(&self) -> (u64, u64, f64, f64) {
+        (self.sequence, self.reset, self.time_s, self.period_s)
+    }
 }
 
 impl Part<Motion> for Request {
     const QUANTITIES: &'static [Quantity<Self, Motion>] = VEHICLE;
     const NEEDED: &'static [&'static str] =
         &["speed_mps", "request_mps2|throttle", "request_mps2|brake"];
+
+    fn head(&self) -> (u64, u64, f64, f64) {
+        (self.sequence, self.reset, self.time_s, self.period_s)
+    }
 
     fn fault(&self, answer: &Motion) -> Option<(String, String)> {
         let gained_mps = (answer.speed_mps - self.speed_mps).abs();
@@ -74,6 +83,11 @@ impl<A: 'static, Q: Part<A>> Unit<Q, A> {
         let wiring = Wiring::of(&name, &description, Q::QUANTITIES, Q::NEEDED, words)?;
         Ok(Self { name, archive, description, wiring, library })
     }
+
+    /// True if it begins with the speed that it is given.
+    pub fn begins_as_given(&self) -> bool {
+        self.wiring.has("initial_speed_mps")
+    }
 }
 
 /// The library for this machine.
@@ -87,12 +101,8 @@ fn library(archive: &Archive, unit: &str, what: &Description) -> Result<String, 
     if archive.names().any(|name| name == library) {
         return Ok(library);
     }
-    let mut others: Vec<_> = archive
-        .names()
-        .filter_map(|name| name.strip_prefix("binaries/")?.split_once('/'))
-        .filter(|(_, file)| !file.is_empty())
-        .map(|(platform, _)| platform)
-        .collect();
+    let others = archive.names().filter_map(|name| name.strip_prefix("binaries/")?.split_once('/'));
+    let mut others: Vec<_> = others.map(|(platform, _)| platform).collect();
     others.dedup();
     let fault = match others.is_empty() {
         true => "it has no binaries".to_owned(),

@@ -15,33 +15,6 @@ pub struct Wiring<Q: 'static, A: 'static> {
     pub unused: Vec<String>,
 }
 
-/// Words of a command behind the unit: `--VARIABLE=NUMBER` sets a start, `QUANTITY=VARIABLE` maps.
-struct Words<'a> {
-    starts: Vec<(&'a str, f64)>,
-    map: Vec<(&'a str, &'a str)>,
-}
-
-impl<'a> Words<'a> {
-    fn read(unit: &str, words: &'a [String]) -> Result<Self, UnitError> {
-        let (mut starts, mut map) = (Vec::new(), Vec::new());
-        for word in words {
-            let refuse = |expected: &str| {
-                Err(UnitError::new(unit, format!("cannot use the word `{word}`"), expected))
-            };
-            match (word.strip_prefix("--").unwrap_or(word).split_once('='), word.starts_with("--"))
-            {
-                (Some((variable, value)), true) => match number(value) {
-                    Some(number) => starts.push((variable, number)),
-                    None => return refuse("--VARIABLE=NUMBER"),
-                },
-                (Some(pair), false) => map.push(pair),
-                (None, _) => return refuse("QUANTITY=VARIABLE or --VARIABLE=NUMBER"),
-            }
-        }
-        Ok(Self { starts, map })
-    }
-}
-
 fn number(text: &str) -> Option<f64> {
     match text {
         "true" => Some(1.0),
@@ -66,7 +39,8 @@ fn bare(name: &str) -> (String, String, Option<Measure>) {
 }
 
 impl<Q, A> Wiring<Q, A> {
-    /// Wires a unit; `unit` names it in errors, `needed` are the quantities without which it is of no use.
+    /// Wires a unit; `unit` names it in errors, `needed` are the quantities without which it is of no use. Words of a
+    /// command behind the unit are `--VARIABLE=NUMBER`, which sets a start, and `QUANTITY=VARIABLE`, which maps.
     ///
     /// # Errors
     /// Names the variable or the quantity that does not fit.
@@ -77,49 +51,50 @@ impl<Q, A> Wiring<Q, A> {
         needed: &[&str],
         words: &[String],
     ) -> Result<Self, UnitError> {
-        let words = Words::read(unit, words)?;
         let variables = &description.variables;
         let find = |name: &str| {
             variables.iter().find(|variable| variable.name == name).ok_or_else(|| {
-                let names =
-                    list(variables.iter().filter(|v| {
-                        matches!(v.causality.as_str(), "input" | "output" | "parameter")
-                    }));
+                let may = ["input", "output", "parameter"];
+                let names = list(variables.iter().filter(|v| may.contains(&&*v.causality)));
                 UnitError::new(unit, format!("no variable `{name}` of one number"), names)
             })
         };
-        let mut wires = Vec::new();
-        for (key, name) in &words.map {
-            let quantity = quantities.iter().find(|quantity| quantity.key == *key);
+        let (mut wires, mut starts) = (Vec::new(), Vec::new());
+        for word in words {
+            let refuse = |expected: &str| {
+                Err(UnitError::new(unit, format!("cannot use the word `{word}`"), expected))
+            };
+            let Some((key, value)) = word.split_once('=') else {
+                return refuse("QUANTITY=VARIABLE or --VARIABLE=NUMBER");
+            };
+            let unfit = |variable: &Variable, expected: String| {
+                let (name, causality) = (&variable.name, &variable.causality);
+                UnitError::new(unit, format!("`{name}` is of causality `{causality}`"), expected)
+            };
+            if let Some(name) = key.strip_prefix("--") {
+                let Some(start) = number(value) else { return refuse("--VARIABLE=NUMBER") };
+                let variable = find(name)?;
+                if !variable.has_start {
+                    return Err(unfit(variable, "a parameter or an input to give a start".into()));
+                }
+                starts.push((variable.clone(), start));
+                continue;
+            }
+            let quantity = quantities.iter().find(|quantity| quantity.key == key);
             let quantity = quantity.ok_or_else(|| {
                 let keys: Vec<_> = quantities.iter().map(|quantity| quantity.key).collect();
                 UnitError::new(unit, format!("no quantity `{key}` to map"), keys.join(", "))
             })?;
-            let variable = find(name)?;
+            let variable = find(value)?;
             if !fits(quantity, variable) {
-                let fault = format!("`{name}` is of causality `{}`", variable.causality);
-                let expected = format!("{} for {key}", quantity.flow.word());
-                return Err(UnitError::new(unit, fault, expected));
+                return Err(unfit(variable, format!("{} for {key}", quantity.flow.word())));
             }
-            let measure = measure(unit, quantity, variable)?;
-            wires.push((quantity, variable.clone(), measure));
+            wires.push((quantity, variable.clone(), measure(unit, quantity, variable)?));
         }
-        let starts = words
-            .starts
-            .iter()
-            .map(|(name, value)| match find(name)? {
-                variable if variable.has_start => Ok((variable.clone(), *value)),
-                variable => {
-                    let fault = format!("`{name}` is of causality `{}`", variable.causality);
-                    Err(UnitError::new(unit, fault, "a parameter or an input to give a start"))
-                }
-            })
-            .collect::<Result<Vec<_>, UnitError>>()?;
         let mut wiring = Self { wires, starts, unused: Vec::new() };
         for quantity in quantities {
             wiring.find(quantity, variables);
         }
-        wiring.find_request(quantities, variables);
         for key in needed {
             let is_wired = key.split('|').any(|key| wiring.has(key));
             if !is_wired {
@@ -151,7 +126,8 @@ impl<Q, A> Wiring<Q, A> {
         self.wires.iter().all(|(_, wired, _)| wired.name != variable.name)
     }
 
-    /// Wires the variable whose name and measure are a quantity's, if there is one.
+    /// Wires the variable whose name and measure are a quantity's, if there is one. A single output that is an
+    /// acceleration by its measure is the request of a law.
     fn find(&mut self, quantity: &'static Quantity<Q, A>, variables: &[Variable]) {
         if self.has(quantity.key) {
             return;
@@ -161,33 +137,21 @@ impl<Q, A> Wiring<Q, A> {
             let may = matches!(quantity.flow, Flow::Start(_)) || self.is_free(variable);
             fits(quantity, variable) && may && !given
         });
+        let is_acceleration = |v: &&Variable| {
+            let measure = v.measure.as_ref().and_then(|(_, measure)| *measure);
+            fits(quantity, v) && measure.is_some_and(|m| m.dimension == ACCELERATION)
+        };
+        let is_request = quantity.key == "request_mps2"
+            && matches!(quantity.flow, Flow::Output(_))
+            && variables.iter().filter(is_acceleration).count() == 1;
         let ranked = ranked.filter_map(|variable| {
-            let rank = rank(quantity, variable)?;
+            let last = (is_request && is_acceleration(&variable)).then_some((usize::MAX, 0));
+            let rank = rank(quantity, variable).or(last)?;
             let measure = measure("", quantity, variable).ok()?;
             Some((rank, variable, measure))
         });
         if let Some((_, variable, measure)) = ranked.min_by_key(|(rank, ..)| *rank) {
             self.wires.push((quantity, variable.clone(), measure));
-        }
-    }
-
-    /// A single free output that is an acceleration by its measure is the request of a law.
-    fn find_request(&mut self, quantities: &'static [Quantity<Q, A>], variables: &[Variable]) {
-        let request = quantities
-            .iter()
-            .find(|q| q.key == "request_mps2" && matches!(q.flow, Flow::Output(_)))
-            .filter(|_| !self.has("request_mps2"));
-        let Some(request) = request else { return };
-        let of_measure = |v: &&Variable| {
-            let measure = v.measure.as_ref().and_then(|(_, measure)| *measure);
-            fits(request, v) && measure.is_some_and(|m| m.dimension == ACCELERATION)
-        };
-        let mut found = variables.iter().filter(of_measure);
-        if let (Some(variable), None) = (found.next(), found.next())
-            && self.is_free(variable)
-            && let Ok(measure) = measure("", request, variable)
-        {
-            self.wires.push((request, variable.clone(), measure));
         }
     }
 }

@@ -6,6 +6,7 @@ use std::net::{Shutdown, TcpStream};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use crate::lights::{Plan, State};
 use crate::process::{Network, Process};
 use crate::wire::{Answer, Body, Value, read_message, write_message};
 use crate::{ProgramError, RADIUS_M};
@@ -17,8 +18,6 @@ const ALWAYS_S: f64 = 1_073_741_824.0;
 
 /// Variables of a vehicle that a step brings: each costs SUMO a microsecond a vehicle.
 const VEHICLE: [u8; 4] = [0x42, 0x40, 0x43, 0x72];
-/// Its length and width.
-const SIZE: [u8; 2] = [0x44, 0x4d];
 /// Variables of a light: state, next switch, phase, time spent in it.
 const LIGHT: [u8; 4] = [0x20, 0x2d, 0x28, 0x38];
 
@@ -33,7 +32,7 @@ const SET_VEHICLE: u8 = 0xc4;
 const SET_ROUTE: u8 = 0xc6;
 
 /// A vehicle as SUMO has it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Vehicle {
     pub id: String,
     /// Middle of the front bumper, m.
@@ -46,19 +45,6 @@ pub struct Vehicle {
     pub width_m: f64,
 }
 
-/// A controller of lights as SUMO has it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct State {
-    pub controller: String,
-    /// A letter for each movement.
-    pub letters: String,
-    /// Next switch, s of SUMO's time.
-    pub next_s: f64,
-    pub phase: usize,
-    /// Time spent in the phase, s.
-    pub spent_s: f64,
-}
-
 /// The outcome of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Step {
@@ -68,10 +54,9 @@ pub struct Step {
     pub refusal: Option<String>,
 }
 
-/// The connection.
 #[derive(Debug)]
 pub struct Client {
-    /// SUMO, unless a [`crate::Shared`] has it.
+    /// SUMO, unless the launcher of several egos has it.
     process: Option<Process>,
     stream: TcpStream,
     /// Id of the ego once it was added.
@@ -121,19 +106,17 @@ impl Client {
         set.and_then(|()| this.stream.set_write_timeout(timeout))
             .map_err(ProgramError::start("a connection"))?;
         let answer = this.ask(0x00, "the greeting", &Body::default())?;
-        let mut answer = Answer(&answer);
-        answer.command()?;
+        let (_, mut answer, _) = Answer(&answer).command()?;
         let (version, name) = (answer.whole()?, answer.text()?);
         if version < VERSION || !name.starts_with("SUMO") {
             let name: String = name.chars().filter(|c| !c.is_control()).take(60).collect();
             let expected = format!("{VERSION} or later (SUMO 1.20)");
             let words = format!("{name} speaks version {version} of TraCI, expected {expected}");
-            return Err(ProgramError(words));
+            return Err(ProgramError::Unfit(words));
         }
         Ok(this)
     }
 
-    /// Queues a command.
     fn put(&mut self, id: u8, name: &'static str, body: &Body) {
         body.write(id, &mut self.out);
         self.sent.push(name);
@@ -153,12 +136,12 @@ impl Client {
             ErrorKind::WouldBlock | ErrorKind::TimedOut => {
                 // Nothing waits for the goodbye of a process that hangs.
                 self.process.iter_mut().for_each(Process::kill);
-                ProgramError::silent(self.when, self.deadline_s)
+                ProgramError::Silent(self.when, self.deadline_s)
             }
-            ErrorKind::InvalidData => ProgramError::nonsense("its length"),
+            ErrorKind::InvalidData => ProgramError::Nonsense("its length"),
             _ => match &mut self.process {
                 Some(process) => process.ended(self.when),
-                None => ProgramError(format!("ended {}", self.when)),
+                None => ProgramError::Unfit(format!("ended {}", self.when)),
             },
         }
     }
@@ -178,8 +161,8 @@ impl Client {
         let bytes = self.receive()?;
         let mut answer = Answer(&bytes);
         for command in std::mem::take(&mut self.sent) {
-            if let (_, Some(words)) = answer.status()? {
-                return Err(ProgramError::refused(command, &words));
+            if let Some(words) = answer.refusal()? {
+                return Err(ProgramError::Refused(command, words));
             }
         }
         Ok(answer.0.to_vec())
@@ -187,8 +170,8 @@ impl Client {
 
     fn get(&mut self, id: u8, variable: u8, object: &str) -> Done<Value> {
         let answer = self.ask(id, "a question", &Body::default().byte(variable).text(object))?;
-        let mut answer = Answer(&answer);
-        answer.command()?;
+        let (_, mut answer, _) = Answer(&answer).command()?;
+        // The variable and the object.
         answer.byte()?;
         answer.text()?;
         answer.value()
@@ -202,7 +185,6 @@ impl Client {
         self.ask(domain, name, &body).map(drop)
     }
 
-    /// SUMO's time, s.
     pub fn time_s(&mut self) -> Done<f64> {
         Ok(self.get(GET_SIMULATION, 0x66, "")?.number())
     }
@@ -216,14 +198,8 @@ impl Client {
     pub fn vehicles(&mut self) -> Done<Vec<String>> {
         match self.get(GET_VEHICLE, 0x00, "")? {
             Value::Texts(ids) => Ok(ids),
-            _ => Err(ProgramError::nonsense("a list of vehicles")),
+            _ => Err(ProgramError::Nonsense("a list of vehicles")),
         }
-    }
-
-    /// Programs of a controller: the id of each, and its parts.
-    pub fn programs(&mut self, controller: &str) -> Done<(String, Value)> {
-        let present = self.get(GET_LIGHT, 0x29, controller)?.text().to_owned();
-        Ok((present, self.get(GET_LIGHT, 0x2b, controller)?))
     }
 
     /// Adds the ego on the route of these edges.
@@ -263,10 +239,12 @@ impl Client {
         self.set((SET_VEHICLE, 0x81), ego, Body::default().byte(0x08).byte(3))
     }
 
-    /// Subscribes to a controller of lights.
-    pub fn watch(&mut self, controller: &str) -> Done<()> {
+    /// Subscribes to a controller of lights; the program that it runs.
+    pub fn watch(&mut self, controller: &str) -> Done<Plan> {
         let body = subscription(|body| body.text(controller), &LIGHT);
-        self.ask(0xd2, "a subscription", &body).map(drop)
+        self.ask(0xd2, "a subscription", &body)?;
+        let present = self.get(GET_LIGHT, 0x29, controller)?;
+        Ok(Plan::of(present.text(), &self.get(GET_LIGHT, 0x2b, controller)?))
     }
 
     /// Places the ego and steps once, without a wait.
@@ -302,54 +280,51 @@ impl Client {
         self.sent.clear();
         let bytes = self.receive()?;
         let mut answer = Answer(&bytes);
-        let (_, refusal) = answer.status()?;
-        if let (_, Some(words)) = answer.status()? {
-            return Err(ProgramError::refused("a step", &words));
+        let refusal = answer.refusal()?;
+        if let Some(words) = answer.refusal()? {
+            return Err(ProgramError::Refused("a step", words));
         }
         let mut step = Step { refusal, ..Step::default() };
         for _ in 0..answer.count()? {
-            let is_context = answer.command()? & 0xf0 == 0x90;
+            let (kind, mut answer, _) = answer.command()?;
             let subject = answer.text()?;
-            if is_context {
+            if kind & 0xf0 != 0x90 {
+                // The number of the variables.
                 answer.byte()?;
+                let [letters, next, phase, spent] = answer.variables(LIGHT)?;
+                step.states.push(State {
+                    controller: subject,
+                    letters: letters.text().to_owned(),
+                    next_s: next.number(),
+                    phase: phase.number().max(0.0) as usize,
+                    spent_s: spent.number(),
+                });
+                continue;
             }
-            let variables = answer.byte()?;
-            let objects = if is_context { answer.count()? } else { 1 };
-            for _ in 0..objects {
-                let id = if is_context { answer.text()? } else { subject.clone() };
-                let mut vehicle = Vehicle { id, ..Vehicle::default() };
-                let mut state = State { controller: subject.clone(), ..State::default() };
-                for _ in 0..variables {
-                    let (variable, result, value) =
-                        (answer.byte()?, answer.byte()?, answer.value()?);
-                    match (variable, &value) {
-                        _ if result != 0 => {
-                            return Err(ProgramError::refused("a subscription", value.text()));
-                        }
-                        (0x42, Value::Point(front_m)) => vehicle.front_m = *front_m,
-                        (0x40, _) => vehicle.speed_mps = value.number(),
-                        (0x43, _) => vehicle.angle_deg = value.number(),
-                        (0x72, _) => vehicle.acceleration_mps2 = value.number(),
-                        (0x20, Value::Text(letters)) => state.letters.clone_from(letters),
-                        (0x2d, _) => state.next_s = value.number(),
-                        (0x28, _) => state.phase = value.number().max(0.0) as usize,
-                        (0x38, _) => state.spent_s = value.number(),
-                        _ => {
-                            let fault = "a variable that was not asked for";
-                            return Err(ProgramError::nonsense(fault));
-                        }
-                    }
+            // The domain, and the number of the variables.
+            answer.byte()?;
+            answer.byte()?;
+            for _ in 0..answer.count()? {
+                let id = answer.text()?;
+                let [front, speed, angle, acceleration] = answer.variables(VEHICLE)?;
+                // Another ego's surroundings come too, and the ego is in its own.
+                if subject != self.ego || id == self.ego {
+                    continue;
                 }
-                match is_context {
-                    // Another ego's surroundings come too, and the ego is in its own.
-                    true if subject != self.ego || vehicle.id == self.ego => {}
-                    true => step.vehicles.push(vehicle),
-                    false => step.states.push(state),
-                }
+                let Value::Point(front_m) = front else {
+                    return Err(ProgramError::Nonsense("a vehicle without a place"));
+                };
+                let [length_m, width_m] = self.size_m(&id)?;
+                step.vehicles.push(Vehicle {
+                    id,
+                    front_m,
+                    speed_mps: speed.number(),
+                    angle_deg: angle.number(),
+                    acceleration_mps2: acceleration.number(),
+                    length_m,
+                    width_m,
+                });
             }
-        }
-        for vehicle in &mut step.vehicles {
-            [vehicle.length_m, vehicle.width_m] = self.size_m(&vehicle.id)?;
         }
         Ok(step)
     }
@@ -359,10 +334,8 @@ impl Client {
         if let Some(known) = self.sizes_m.get(id) {
             return Ok(*known);
         }
-        let mut size_m = [0.0; 2];
-        for (value, variable) in size_m.iter_mut().zip(SIZE) {
-            *value = self.get(GET_VEHICLE, variable, id)?.number();
-        }
+        let [length, width] = [0x44, 0x4d].map(|variable| self.get(GET_VEHICLE, variable, id));
+        let size_m = [length?.number(), width?.number()];
         self.sizes_m.insert(id.to_owned(), size_m);
         Ok(size_m)
     }

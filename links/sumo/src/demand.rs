@@ -4,14 +4,12 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 use std::path::PathBuf;
 
-use openscenario::xml::Element;
+use openscenario::road::Text;
+use openscenario::xml::{Document, Element};
 
 use crate::ReadError;
 use crate::line::Line;
-use crate::net::{Net, Source};
-
-/// Names that an error lists.
-const LISTED: usize = 8;
+use crate::net::{Net, document, listed};
 
 /// The edges that `ego` names: `NAME`, or `from=EDGE,to=EDGE`.
 pub fn edges(ego: &str, net: &Net, files: &[PathBuf]) -> Result<Vec<String>, ReadError> {
@@ -20,63 +18,55 @@ pub fn edges(ego: &str, net: &Net, files: &[PathBuf]) -> Result<Vec<String>, Rea
     }
     let mut known = Vec::new();
     for file in files {
-        let source = Source::read(file)?;
-        for element in &source.root.children {
-            let Some(id) = element.attribute("id") else { continue };
+        let document = document(file)?;
+        for element in &document.root.children {
             let is_way = matches!(element.name.as_str(), "route" | "vehicle" | "trip" | "flow");
-            if is_way && id == ego {
-                return of_element(element, &source, net);
-            }
-            if is_way {
-                known.push(id.to_owned());
+            match element.attribute("id").filter(|_| is_way) {
+                Some(id) if id == ego => return of_element(element, &document, net),
+                Some(id) => known.push(id.to_owned()),
+                None => {}
             }
         }
     }
     let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     let file = if names.is_empty() { net.file.clone() } else { names.join(", ") };
-    let listed = match known.is_empty() {
+    let expected = match known.is_empty() {
         true => "from=EDGE,to=EDGE, for these files have no routes".to_owned(),
         false => format!("{} or from=EDGE,to=EDGE", listed(&known)),
     };
-    Err(ReadError::at(&file, format!("there is no route, vehicle, trip or flow `{ego}`"), listed))
-}
-
-/// The first of these names, for an error.
-fn listed(names: &[impl AsRef<str>]) -> String {
-    let some: Vec<_> = names.iter().take(LISTED).map(|id| format!("`{}`", id.as_ref())).collect();
-    format!("{}{}", some.join(", "), if names.len() > LISTED { ", .." } else { "" })
+    let reason = format!("there is no route, vehicle, trip or flow `{ego}`, expected {expected}");
+    Err(ReadError::File { file, reason })
 }
 
 /// The two edges of `from=EDGE,to=EDGE`, with those of `via=EDGE` between them.
 fn ends(ego: &str) -> Option<Vec<String>> {
     let parts: Option<Vec<_>> = ego.split(',').map(|part| part.split_once('=')).collect();
     let parts = parts.filter(|parts| parts.len() > 1)?;
-    let fits = |(place, (key, _)): (usize, &(&str, &str))| match key.trim() {
-        "from" => place == 0,
-        "via" | "to" => place > 0,
-        _ => false,
+    let fits = |(place, (key, _)): (usize, &(&str, &str))| {
+        matches!((place, key.trim()), (0, "from") | (1.., "via" | "to"))
     };
     let stops = parts.iter().map(|(_, edge)| edge.trim().to_owned());
     parts.iter().enumerate().all(fits).then(|| stops.collect())
 }
 
-fn of_element(element: &Element, source: &Source, net: &Net) -> Result<Vec<String>, ReadError> {
+fn of_element(element: &Element, file: &Document, net: &Net) -> Result<Vec<String>, ReadError> {
+    let source = Text { file: &file.file };
     let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let inside = || element.child("route").and_then(|route| route.attribute("edges"));
     if let Some(edges) = element.attribute("edges").or_else(inside) {
         return Ok(words(edges));
     }
     if let Some(name) = element.attribute("route") {
-        let mut all = source.root.children.iter();
+        let mut all = file.root.children.iter();
         let found = all.find(|one| one.name == "route" && one.attribute("id") == Some(name));
         let edges = found.and_then(|route| route.attribute("edges"));
         let reason = format!("there is no route `{name}` in this file");
-        let refuse = || source.refuse(element, reason, "one with edges");
+        let refuse = || source.meaning(element, reason, "one with edges");
         return edges.map(words).ok_or_else(refuse);
     }
     let (Some(from), Some(to)) = (element.attribute("from"), element.attribute("to")) else {
         let expected = "edges, a route, or from and to";
-        return Err(source.refuse(element, "this way of the ego has no edges", expected));
+        return Err(source.meaning(element, "this way of the ego has no edges", expected));
     };
     let via = element.attribute("via").unwrap_or_default();
     quickest(net, &words(&format!("{from} {via} {to}")))
@@ -85,19 +75,13 @@ fn of_element(element: &Element, source: &Source, net: &Net) -> Result<Vec<Strin
 /// The quickest way over these edges, by the speed limits.
 fn quickest(net: &Net, stops: &[String]) -> Result<Vec<String>, ReadError> {
     for edge in stops {
-        if edge.starts_with(':') || !net.edges.contains_key(edge) {
-            let mut known: Vec<_> = net.edges.keys().filter(|id| !id.starts_with(':')).collect();
-            known.sort_unstable();
-            let expected = format!("one of {}", listed(&known));
-            let reason = format!("the net has no edge `{edge}`");
-            return Err(ReadError::at(&net.file, reason, expected));
-        }
+        net.lanes(edge)?;
     }
     let mut way = vec![stops[0].clone()];
     for pair in stops.windows(2) {
         let part = between(net, &pair[0], &pair[1]).ok_or_else(|| {
             let reason = format!("no way for cars leads from `{}` to `{}`", pair[0], pair[1]);
-            ReadError::at(&net.file, reason, "two edges that connections join")
+            net.refuse(reason, "two edges that connections join")
         })?;
         way.extend(part);
     }

@@ -1,7 +1,7 @@
 //! SUMO's nets as roads, and SUMO as the traffic around the ego.
 //!
 //! ```text
-//! NET.sumocfg ─► config ─► net, demand ─► path: the ego's lanes ─► smooth ─► Route: axis, limits, stop lines
+//! NET.sumocfg ─► net, demand ─► path: the ego's lanes ─► smooth ─► Route: axis, limits, stop lines
 //!                                                                             │ at the opening of a scenario
 //! ────────────────────────────────────────────────────────────────────────────┼─────────────────────────────
 //!                                                                             ▼ in each run
@@ -10,7 +10,7 @@
 //!
 //! [`read_route`] needs no SUMO. [`World`] starts the program, adds the ego, and steps it each 100 ms of the run. The ego
 //! is placed together with the step. SUMO answers with the vehicles around it and with the states of the lights. Between
-//! two steps the vehicles go on at constant acceleration. Several egos have one SUMO: [`Shared`].
+//! two steps the vehicles go on at constant acceleration. Several egos have one SUMO: [`drive_egos`].
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -22,9 +22,7 @@
 //! ```
 
 mod client;
-mod config;
 mod demand;
-mod error;
 mod lights;
 mod line;
 mod net;
@@ -36,12 +34,12 @@ mod smooth;
 mod wire;
 mod world;
 
-pub use error::{ProgramError, ReadError};
-pub use lights::{Colour, Interval};
+pub use lights::Interval;
+pub use openscenario::ReadError;
 pub use path::Light;
-pub use process::Network;
+pub use process::{Network, ProgramError};
 pub use route::{Limit, Route, read_route};
-pub use shared::{ROOM_S, Seat, Shared, this_command};
+pub use shared::{ROOM_S, Seat, drive_egos};
 pub use world::{Body, Ego, Settings, World};
 
 /// Time between two steps of SUMO, ms.

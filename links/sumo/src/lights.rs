@@ -3,48 +3,38 @@
 //! A program of fixed times has certain ends. The phases of an actuated one last between `minDur` and `maxDur`, and its
 //! next switch is likely.
 
-use crate::client::State;
+use messages::PhaseState;
+
 use crate::wire::Value;
 
 /// Most intervals of a light that are given.
 const MOST: usize = 8;
 
-/// A colour for a movement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Colour {
-    Green,
-    /// Stop if that is comfortable.
-    Yellow,
-    Red,
-    /// Off, or blinking: the junction's signs hold.
-    Dark,
-}
+/// What a movement is shown, and the earliest, likely and latest end of it, s of the run.
+pub type Interval = (PhaseState, [f64; 3]);
 
-impl Colour {
-    /// The colour of a letter of a state.
-    fn of(letter: u8) -> Self {
-        match letter {
-            b'G' | b'g' => Self::Green,
-            b'y' | b'Y' => Self::Yellow,
-            b'o' | b'O' => Self::Dark,
-            _ => Self::Red,
-        }
+/// The state of a movement by its letter in a phase: red without one.
+fn state_of(letters: &str, link: usize) -> PhaseState {
+    match letters.as_bytes().get(link) {
+        Some(b'G' | b'g') => PhaseState::ProtectedMovementAllowed,
+        Some(b'y' | b'Y') => PhaseState::ProtectedClearance,
+        // Off, or blinking: the junction's signs hold.
+        Some(b'o' | b'O') => PhaseState::Unavailable,
+        _ => PhaseState::StopAndRemain,
     }
 }
 
-/// An interval of one colour, with its end in s of the run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
-    pub colour: Colour,
-    /// Earliest, likely and latest end, s of the run.
-    pub ends_s: [f64; 3],
-}
-
-impl Interval {
-    /// The end is certain.
-    pub fn is_certain(&self) -> bool {
-        self.ends_s[0] == self.ends_s[2]
-    }
+/// A controller of lights as SUMO has it.
+#[derive(Clone, Debug)]
+pub struct State {
+    pub controller: String,
+    /// A letter for each movement.
+    pub letters: String,
+    /// Next switch, s of SUMO's time.
+    pub next_s: f64,
+    pub phase: usize,
+    /// Time spent in the phase, s.
+    pub spent_s: f64,
 }
 
 /// A phase of a program.
@@ -63,31 +53,31 @@ pub struct Plan(Vec<Phase>);
 impl Plan {
     /// The program `present` of those that SUMO gives.
     pub fn of(present: &str, programs: &Value) -> Self {
-        let own = programs
-            .parts()
-            .iter()
-            .find(|one| one.parts().first().is_some_and(|id| id.text() == present));
-        let parts = own.map_or(&[][..], Value::parts);
-        let (kind, phases) = (parts.get(1).map_or(0.0, Value::number), parts.get(3));
+        let own = programs.parts().iter().find_map(|program| match program.parts() {
+            [id, Value::Number(kind), _, phases, ..] if id.text() == present => {
+                Some((*kind, phases))
+            }
+            _ => None,
+        });
+        let Some((kind, phases)) = own else { return Self::default() };
         let phase = |phase: &Value| {
-            let part = |index: usize| phase.parts().get(index);
-            let number = |index: usize| part(index).map_or(f64::NAN, Value::number);
-            let (usual_s, least_s, most_s) = (number(0), number(2), number(3));
+            let [usual, letters, least, most, next, ..] = phase.parts() else { return None };
+            let (usual_s, least_s, most_s) = (usual.number(), least.number(), most.number());
             let lasts_s = match kind == 0.0 {
                 true => [usual_s; 3],
                 false => [least_s.min(usual_s), usual_s, most_s.max(usual_s)],
             };
-            let next =
-                part(4).and_then(|next| next.parts().first()).map(|next| next.number() as usize);
-            Phase { letters: part(1).map_or("", Value::text).to_owned(), lasts_s, next }
+            let next = next.parts().first().map(|next| next.number() as usize);
+            Some(Phase { letters: letters.text().to_owned(), lasts_s, next })
         };
-        Self(phases.map_or(&[][..], Value::parts).iter().map(phase).collect())
+        Self(phases.parts().iter().filter_map(phase).collect())
     }
 
     /// Phase of a movement in a state of `time_s` of the run, and what follows. SUMO's time is ahead by `ahead_s`.
     pub fn now(&self, state: &State, link: usize, time_s: f64, ahead_s: f64) -> Vec<Interval> {
-        let Some(letter) = state.letters.as_bytes().get(link) else { return Vec::new() };
-        let colour = Colour::of(*letter);
+        if link >= state.letters.len() {
+            return Vec::new();
+        }
         let switch_s = state.next_s - ahead_s;
         let mut ends_s = [switch_s; 3];
         if let Some(phase) = self.0.get(state.phase) {
@@ -99,26 +89,26 @@ impl Plan {
                 ends_s = [earliest_s, switch_s.clamp(earliest_s, latest_s), latest_s];
             }
         }
-        let mut intervals = vec![Interval { colour, ends_s }];
+        let mut intervals = vec![(state_of(&state.letters, link), ends_s)];
         let mut index = state.phase;
         for _ in 0..4 * self.0.len() {
             index = self.0[index.min(self.0.len() - 1)].next.unwrap_or(index + 1) % self.0.len();
             let phase = &self.0[index];
             let last = intervals.len() - 1;
-            let begin_s = intervals[last].ends_s;
+            let (before, begin_s) = intervals[last];
             let ends_s = [0, 1, 2].map(|which| begin_s[which] + phase.lasts_s[which]);
-            let colour = phase.letters.as_bytes().get(link).map_or(Colour::Red, |l| Colour::of(*l));
-            if colour == intervals[last].colour {
-                intervals[last].ends_s = ends_s;
+            let shown = state_of(&phase.letters, link);
+            if shown == before {
+                intervals[last].1 = ends_s;
             } else if intervals.len() == MOST {
                 break;
             } else {
-                intervals.push(Interval { colour, ends_s });
+                intervals.push((shown, ends_s));
             }
         }
         if intervals.len() == 1 {
             // It never changes.
-            intervals[0].ends_s = [f64::INFINITY; 3];
+            intervals[0].1 = [f64::INFINITY; 3];
         } else if intervals.len() < MOST {
             // The last one may go on.
             intervals.pop();
@@ -150,11 +140,16 @@ mod tests {
         ]);
         // 5 s of the run are 105 s of SUMO, 10 s into the green.
         let now = plan.now(&state("Gr", 0, 10.0, 125.0), 0, 5.0, 100.0);
-        let ends: Vec<_> = now.iter().map(|i| (i.colour, i.ends_s[1])).collect();
-        assert_eq!(ends[..3], [(Colour::Green, 25.0), (Colour::Yellow, 28.0), (Colour::Red, 51.0)]);
-        assert!(now.iter().all(Interval::is_certain));
+        let ends: Vec<_> = now.iter().map(|(state, ends_s)| (*state, ends_s[1])).collect();
+        let expected = [
+            (PhaseState::ProtectedMovementAllowed, 25.0),
+            (PhaseState::ProtectedClearance, 28.0),
+            (PhaseState::StopAndRemain, 51.0),
+        ];
+        assert_eq!(ends[..3], expected);
+        assert!(now.iter().all(|(_, ends_s)| ends_s[0] == ends_s[2]));
         let other = plan.now(&state("Gr", 0, 10.0, 125.0), 1, 5.0, 100.0);
-        assert_eq!((other[0].colour, other[0].ends_s[0]), (Colour::Red, 28.0));
+        assert_eq!((other[0].0, other[0].1[0]), (PhaseState::StopAndRemain, 28.0));
     }
 
     #[test]
@@ -165,9 +160,9 @@ mod tests {
             phase("rG", [5.0, 20.0, 30.0]),
         ]);
         let now = plan.now(&state("Gr", 0, 10.0, 12.0), 0, 11.0, 0.0);
-        assert_eq!(now[0].ends_s, [11.0, 12.0, 51.0]);
-        assert_eq!(now[1].ends_s, [14.0, 15.0, 54.0]);
-        assert!(!now[1].is_certain());
+        assert_eq!(now[0].1, [11.0, 12.0, 51.0]);
+        assert_eq!(now[1].1, [14.0, 15.0, 54.0]);
+        assert_ne!(now[1].1[0], now[1].1[2]);
     }
 
     #[test]
@@ -175,7 +170,7 @@ mod tests {
         let plan = Plan(vec![phase("G", [30.0; 3]), phase("g", [3.0; 3])]);
         let now = plan.now(&state("G", 0, 0.0, 30.0), 0, 0.0, 0.0);
         assert_eq!(now.len(), 1);
-        assert!(now[0].ends_s[0].is_infinite());
-        assert_eq!(plan.now(&state("o", 0, 0.0, 30.0), 0, 0.0, 0.0)[0].colour, Colour::Dark);
+        assert!(now[0].1[0].is_infinite());
+        assert_eq!(plan.now(&state("o", 0, 0.0, 30.0), 0, 0.0, 0.0)[0].0, PhaseState::Unavailable);
     }
 }

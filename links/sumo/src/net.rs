@@ -1,86 +1,80 @@
-//! A net file: edges with lanes, and the connections between them.
+//! A configuration file, and the net that it names: edges with lanes, and the connections between them.
 
 use std::collections::HashMap;
 use std::fmt::Display;
 use std::fs::File;
 use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
-use openscenario::xml::{self, Element};
-
-use crate::ReadError;
+use openscenario::ReadError;
+use openscenario::road::Text;
+use openscenario::xml::{self, Document, Element};
 
 /// Longest file, bytes: a net of a large town.
 const MOST_BYTES: usize = 256 << 20;
 
-/// A file in memory, with its name in errors.
-pub struct Source {
-    pub name: String,
-    pub root: Element,
+/// Reads an XML file, which may be compressed (`.gz`).
+pub fn document(path: &Path) -> Result<Document, ReadError> {
+    let file = path.display().to_string();
+    let refuse = |reason: String| ReadError::File { file: file.clone(), reason };
+    let opened = |error| refuse(format!("cannot be opened: {error}"));
+    // Looked at before it is opened: to open a pipe is to wait for its other end.
+    if !path.metadata().map_err(opened)?.is_file() {
+        return Err(refuse("is not a regular file".to_owned()));
+    }
+    let packed = File::open(path).map_err(opened)?;
+    let whole: Box<dyn Read> = match file.ends_with(".gz") {
+        true => Box::new(MultiGzDecoder::new(packed)),
+        false => Box::new(packed),
+    };
+    let mut text = String::new();
+    let read = whole.take(MOST_BYTES as u64 + 1).read_to_string(&mut text);
+    read.map_err(|error| refuse(format!("cannot be read: {error}")))?;
+    xml::parse_within(&file, &text, MOST_BYTES)
 }
 
-impl Source {
-    /// Reads an XML file, which may be compressed (`.gz`).
-    pub fn read(path: &std::path::Path) -> Result<Self, ReadError> {
-        let name = path.display().to_string();
-        let refuse = |reason: String| ReadError(format!("{name}: {reason}"));
-        let opened = |error| refuse(format!("cannot be opened: {error}"));
-        // Looked at before it is opened: to open a pipe is to wait for its other end.
-        if !path.metadata().map_err(opened)?.is_file() {
-            return Err(refuse("is not a regular file".to_owned()));
-        }
-        let file = File::open(path).map_err(opened)?;
-        let whole: Box<dyn Read> = match name.ends_with(".gz") {
-            true => Box::new(MultiGzDecoder::new(file)),
-            false => Box::new(file),
-        };
-        let mut text = String::new();
-        let read = whole.take(MOST_BYTES as u64 + 1).read_to_string(&mut text);
-        read.map_err(|error| refuse(format!("cannot be read: {error}")))?;
-        let root = xml::parse_within(&name, &text, MOST_BYTES)?.root;
-        Ok(Self { name, root })
-    }
-
-    /// An error about an element.
-    pub fn refuse(
-        &self,
-        element: &Element,
-        reason: impl Display,
-        expected: impl Display,
-    ) -> ReadError {
-        ReadError::at(format_args!("{}:{}", self.name, element.spot), reason, expected)
-    }
-
-    /// The text of an attribute that must be there.
-    pub fn text<'a>(&self, element: &'a Element, name: &str) -> Result<&'a str, ReadError> {
-        element.attribute(name).ok_or_else(|| {
-            let reason = format!("`{}` has no attribute `{name}`", element.name);
-            self.refuse(element, reason, format!("`{name}`"))
-        })
-    }
-
-    /// The number of an attribute; `otherwise` where it is not given.
-    pub fn number(
-        &self,
-        element: &Element,
-        name: &str,
-        otherwise: Option<f64>,
-    ) -> Result<f64, ReadError> {
-        let text = match (element.attribute(name), otherwise) {
-            (None, Some(value)) => return Ok(value),
-            _ => self.text(element, name)?,
-        };
-        text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| {
-            let reason = format!("{name}=\"{text}\" of `{}`", element.name);
-            self.refuse(element, reason, "a finite number")
-        })
-    }
+/// The value of an attribute that must be there.
+fn given<'a>(file: Text<'_>, element: &'a Element, name: &str) -> Result<&'a str, ReadError> {
+    element.attribute(name).ok_or_else(|| {
+        let reason = format!("`{}` has no attribute `{name}`", element.name);
+        file.meaning(element, reason, format!("`{name}`"))
+    })
 }
 
+/// The net of a configuration, and its route files with the additional files, which may have routes as well. Relative
+/// paths start at the directory of the configuration.
+pub fn configured(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ReadError> {
+    let Document { file, root } = document(path)?;
+    let source = Text { file: &file };
+    if !["configuration", "sumoConfiguration", "sumo-configuration"].contains(&&*root.name) {
+        let reason = format!("the outermost element is `{}`", root.name);
+        let expected = "`configuration` or `sumoConfiguration`: a configuration file of SUMO";
+        return Err(source.meaning(&root, reason, expected));
+    }
+    let directory = path.parent().unwrap_or(Path::new(""));
+    // An option may stand in any section.
+    let files = |names: [&str; 3]| -> Vec<PathBuf> {
+        let below =
+            root.children.iter().flat_map(|section| [section].into_iter().chain(&section.children));
+        let mut named = below.filter(|element| names.contains(&&*element.name));
+        let value = named.find_map(|one| one.attribute("value").or_else(|| one.attribute("v")));
+        let files = value.unwrap_or_default().split(',').map(str::trim);
+        files.filter(|file| !file.is_empty()).map(|file| directory.join(file)).collect()
+    };
+    let Some(net) = files(["net-file", "n", "net"]).into_iter().next() else {
+        let expected = "<net-file value=\"NET.net.xml\"/> in `input`";
+        return Err(source.meaning(&root, "no net file", expected));
+    };
+    let routes = files(["route-files", "r", "routes"]);
+    Ok((net, [routes, files(["additional-files", "a", "additional"])].concat()))
+}
+
+/// Names that an error lists.
+const LISTED: usize = 8;
 /// Width of a lane without one of its own, m: SUMO's.
 const LANE_WIDTH_M: f64 = 3.2;
 
-/// A lane of an edge.
 #[derive(Clone, Debug)]
 pub struct Lane {
     pub speed_mps: f64,
@@ -105,7 +99,6 @@ pub struct Connection {
     pub yields: bool,
 }
 
-/// The net.
 pub struct Net {
     pub file: String,
     /// All edges, those inside of junctions too.
@@ -115,30 +108,48 @@ pub struct Net {
 }
 
 impl Net {
-    /// Reads a net file.
-    pub fn read(path: &std::path::Path) -> Result<Self, ReadError> {
-        let source = Source::read(path)?;
-        if source.root.name != "net" {
-            let reason = format!("the outermost element is `{}`", source.root.name);
-            return Err(source.refuse(&source.root, reason, "`net`: a net file of SUMO"));
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let Document { file, root } = document(path)?;
+        let source = Text { file: &file };
+        if root.name != "net" {
+            let reason = format!("the outermost element is `{}`", root.name);
+            return Err(source.meaning(&root, reason, "`net`: a net file of SUMO"));
         }
         let (mut edges, mut connections) = (HashMap::new(), HashMap::<String, Vec<_>>::new());
-        for element in &source.root.children {
+        for element in &root.children {
             match element.name.as_str() {
                 "edge" => {
                     let lanes = element.children.iter().filter(|child| child.name == "lane");
-                    let lanes = lanes.map(|lane| read_lane(&source, lane));
-                    let id = source.text(element, "id")?.to_owned();
+                    let lanes = lanes.map(|lane| read_lane(source, lane));
+                    let id = given(source, element, "id")?.to_owned();
                     edges.insert(id, lanes.collect::<Result<Vec<_>, _>>()?);
                 }
                 "connection" => {
-                    let from = source.text(element, "from")?.to_owned();
-                    connections.entry(from).or_default().push(read_connection(&source, element)?);
+                    let from = given(source, element, "from")?.to_owned();
+                    connections.entry(from).or_default().push(read_connection(source, element)?);
                 }
                 _ => {}
             }
         }
-        Ok(Self { file: source.name, edges, connections })
+        Ok(Self { file, edges, connections })
+    }
+
+    /// An error about the net.
+    pub fn refuse(&self, reason: impl Display, expected: impl Display) -> ReadError {
+        let reason = format!("{reason}, expected {expected}");
+        ReadError::File { file: self.file.clone(), reason }
+    }
+
+    /// The lanes of an edge between junctions.
+    pub fn lanes(&self, edge: &str) -> Result<&[Lane], ReadError> {
+        let is_open = |id: &&String| !id.starts_with(':');
+        let lanes = self.edges.get_key_value(edge).filter(|(id, _)| is_open(id));
+        lanes.map(|(_, lanes)| lanes.as_slice()).ok_or_else(|| {
+            let mut known: Vec<_> = self.edges.keys().filter(is_open).collect();
+            known.sort_unstable();
+            let expected = format!("one of {}", listed(&known));
+            self.refuse(format!("the net has no edge `{edge}`"), expected)
+        })
     }
 
     /// A lane by its id, inside of a junction: `EDGE_INDEX`.
@@ -149,14 +160,19 @@ impl Net {
         Some((edge, index, lanes.get(index)?))
     }
 
-    /// The connections from an edge.
     pub fn leaving(&self, edge: &str) -> &[Connection] {
         self.connections.get(edge).map_or(&[], Vec::as_slice)
     }
 }
 
-fn read_lane(source: &Source, element: &Element) -> Result<Lane, ReadError> {
-    let text = source.text(element, "shape")?;
+/// The first of these names, for an error.
+pub fn listed(names: &[impl AsRef<str>]) -> String {
+    let some: Vec<_> = names.iter().take(LISTED).map(|id| format!("`{}`", id.as_ref())).collect();
+    format!("{}{}", some.join(", "), if names.len() > LISTED { ", .." } else { "" })
+}
+
+fn read_lane(source: Text<'_>, element: &Element) -> Result<Lane, ReadError> {
+    let text = given(source, element, "shape")?;
     let point = |point: &str| {
         let mut numbers = point.split(',').map(|number| number.parse::<f64>());
         match (numbers.next(), numbers.next()) {
@@ -166,10 +182,17 @@ fn read_lane(source: &Source, element: &Element) -> Result<Lane, ReadError> {
     };
     let shape: Option<Vec<_>> = text.split_whitespace().map(point).collect();
     let shape = shape.filter(|shape| shape.len() > 1).ok_or_else(|| {
-        source.refuse(element, "the shape of this lane", "two or more points x,y of finite numbers")
+        source.meaning(
+            element,
+            "the shape of this lane",
+            "two or more points x,y of finite numbers",
+        )
     })?;
-    let speed_mps = source.number(element, "speed", None)?;
-    let width_m = source.number(element, "width", Some(LANE_WIDTH_M))?;
+    let speed_mps = source.number(element, "speed")?;
+    let width_m = match element.attribute("width") {
+        Some(_) => source.number(element, "width")?,
+        None => LANE_WIDTH_M,
+    };
     let word = |name: &str, class: &str| {
         let classes = element.attribute(name).unwrap_or_default();
         classes.split_whitespace().any(|one| one == class || one == "all")
@@ -183,17 +206,16 @@ fn read_lane(source: &Source, element: &Element) -> Result<Lane, ReadError> {
     })
 }
 
-fn read_connection(source: &Source, element: &Element) -> Result<Connection, ReadError> {
+fn read_connection(source: Text<'_>, element: &Element) -> Result<Connection, ReadError> {
     let index = |name: &str| {
-        let text = source.text(element, name)?;
-        let refuse = |_| source.refuse(element, format!("{name}=\"{text}\""), "a whole number");
-        text.parse::<usize>().map_err(refuse)
+        let index = usize::try_from(source.whole(element, name)?);
+        index.map_err(|_| source.meaning(element, format!("a negative `{name}`"), "at least 0"))
     };
     let light =
         element.attribute("tl").map(|id| index("linkIndex").map(|link| (id.to_owned(), link)));
     Ok(Connection {
         from_lane: index("fromLane")?,
-        to: source.text(element, "to")?.to_owned(),
+        to: given(source, element, "to")?.to_owned(),
         to_lane: index("toLane")?,
         via: element.attribute("via").map(str::to_owned),
         light: light.transpose()?,

@@ -48,10 +48,7 @@ pub struct Path {
     pub lights: Vec<Light>,
     /// Ways to junctions without lights at which the ego would have to give way, m.
     pub yields_m: Vec<f64>,
-    /// Index of the first lane.
     pub first_lane: usize,
-    /// Numbers of drivable lanes beside the first one, to the left and to the right.
-    pub beside: [usize; 2],
     length_m: f64,
 }
 
@@ -67,13 +64,6 @@ pub fn along(net: &Net, edges: &[String]) -> Result<Path, ReadError> {
     let mut path = Path::default();
     let lanes = lanes_along(net, edges)?;
     path.first_lane = lanes[0].enters;
-    let first = &net.edges[&edges[0]];
-    let drivable =
-        |lanes: &mut dyn Iterator<Item = &Lane>| lanes.take_while(|l| l.drivable).count();
-    path.beside = [
-        drivable(&mut first.iter().skip(path.first_lane + 1)),
-        drivable(&mut first.iter().take(path.first_lane).rev()),
-    ];
     for (edge, on) in edges.iter().zip(&lanes) {
         path.drive(&net.edges[edge], on);
         let Some(onward) = on.onward else { continue };
@@ -91,7 +81,7 @@ pub fn along(net: &Net, edges: &[String]) -> Result<Path, ReadError> {
         }
     }
     match path.points.len() {
-        0 | 1 => Err(ReadError::at(&net.file, "the ego's edges have no length", "longer edges")),
+        0 | 1 => Err(net.refuse("the ego's edges have no length", "longer edges")),
         _ => Ok(path),
     }
 }
@@ -155,21 +145,15 @@ fn lines(lanes: &[Lane], own: usize) -> Vec<f64> {
 
 /// The lanes along edges: backwards, from the lanes that lead on to the last edge.
 fn lanes_along<'a>(net: &'a Net, edges: &[String]) -> Result<Vec<OnEdge<'a>>, ReadError> {
-    let lanes_of = |edge: &String| {
-        net.edges.get(edge).filter(|_| !edge.starts_with(':')).ok_or_else(|| {
-            let reason = format!("the net has no edge `{edge}` of the ego's route");
-            ReadError::at(&net.file, reason, "a route of this net")
-        })
-    };
     let Some(last) = edges.last() else {
-        return Err(ReadError::at(&net.file, "the ego's route has no edges", "one or more"));
+        return Err(net.refuse("the ego's route has no edges", "one or more"));
     };
     // Changes still to be made from each lane of an edge at its end, and the onward connection with the next leaving lane.
     type End<'a> = Option<(usize, Option<(&'a Connection, usize)>)>;
     let drivable = |lane: &Lane| lane.drivable.then_some((0, None));
-    let mut ends: Vec<Vec<End<'a>>> = vec![lanes_of(last)?.iter().map(drivable).collect()];
+    let mut ends: Vec<Vec<End<'a>>> = vec![net.lanes(last)?.iter().map(drivable).collect()];
     for pair in edges.windows(2).rev() {
-        let (lanes, next) = (lanes_of(&pair[0])?, &ends[ends.len() - 1]);
+        let (lanes, next) = (net.lanes(&pair[0])?, &ends[ends.len() - 1]);
         let end = |index: usize| -> End<'a> {
             let onward = net.leaving(&pair[0]).iter();
             let onward = onward.filter(|one| one.to == pair[1] && one.from_lane == index);
@@ -185,7 +169,7 @@ fn lanes_along<'a>(net: &'a Net, edges: &[String]) -> Result<Vec<OnEdge<'a>>, Re
             (0..lanes.len()).map(|index| end(index).filter(|_| lanes[index].drivable)).collect();
         if found.iter().all(Option::is_none) {
             let reason = format!("no lane for cars leads from `{}` to `{}`", pair[0], pair[1]);
-            return Err(ReadError::at(&net.file, reason, "a route whose edges are connected"));
+            return Err(net.refuse(reason, "a route whose edges are connected"));
         }
         ends.push(found);
     }
@@ -193,7 +177,7 @@ fn lanes_along<'a>(net: &'a Net, edges: &[String]) -> Result<Vec<OnEdge<'a>>, Re
     let first = ends[0].iter().enumerate().filter_map(|(index, end)| Some((index, (*end)?.0)));
     let Some((mut leaves, _)) = first.min_by_key(|(_, cost)| *cost) else {
         let reason = format!("cars may not drive on `{}`", edges[0]);
-        return Err(ReadError::at(&net.file, reason, "an edge with a lane for passenger cars"));
+        return Err(net.refuse(reason, "an edge with a lane for passenger cars"));
     };
     let mut enters = leaves;
     let on = ends.iter().map(|lanes| {

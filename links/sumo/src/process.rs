@@ -1,13 +1,14 @@
 //! The program SUMO as a process, from its start to its end.
 
-use std::io::{self, BufRead, BufReader, Read};
+use std::fmt::Display;
+use std::io::{self, Read};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::{ProgramError, STEP_MS};
+use crate::STEP_MS;
 
 /// Time until the program has read its files and listens.
 const START: Duration = Duration::from_secs(60);
@@ -15,22 +16,40 @@ const START: Duration = Duration::from_secs(60);
 const ATTEMPT: Duration = Duration::from_millis(5);
 /// Time to end after the connection is closed.
 const END: Duration = Duration::from_secs(1);
-/// Lines of its errors that are kept.
-const KEPT_LINES: usize = 40;
+/// Bytes of its errors that are kept.
+const KEPT_BYTES: u64 = 8 << 10;
 
 /// Options of all runs: quiet, repeatable, without a reaction to collisions.
 const OPTIONS: &str = "--random false --collision.action none --no-step-log true --no-warnings true \
     --duration-log.disable true --xml-validation never --num-clients 1";
+
+/// A failure of the program SUMO, before or during a run, in one line.
+#[derive(Debug, thiserror::Error)]
+pub enum ProgramError {
+    #[error("SUMO: cannot start {0}: {1}")]
+    Start(String, std::io::Error),
+    #[error("SUMO: no answer {0} within {1} s")]
+    Silent(&'static str, f64),
+    #[error("SUMO: {0} was refused: {1}")]
+    Refused(&'static str, String),
+    #[error("SUMO: an answer that is not TraCI: {0}")]
+    Nonsense(&'static str),
+    #[error("SUMO: {0}")]
+    Unfit(String),
+}
+
+impl ProgramError {
+    pub(crate) fn start(program: impl Display) -> impl Fn(std::io::Error) -> Self {
+        move |reason| Self::Start(program.to_string(), reason)
+    }
+}
 
 /// How a process is started on this machine, and how it is reached.
 pub trait Network {
     /// Prepares the command: what the process inherits, and when it dies.
     fn prepare(&mut self, command: &mut Command) -> io::Result<()>;
 
-    /// Connects to a port on which the process listens.
-    ///
-    /// # Errors
-    /// While it does not listen yet.
+    /// Connects to a port; an error while the process does not listen there.
     fn connect(&mut self, port: u16) -> io::Result<TcpStream>;
 }
 
@@ -44,7 +63,7 @@ fn find_program() -> Result<PathBuf, ProgramError> {
     found.map(|file| packaged(&file).unwrap_or(file)).ok_or_else(|| {
         let program = "there is no program `sumo` in $SUMO_HOME/bin or on the PATH";
         let expected = "SUMO 1.20 or later (pip install eclipse-sumo)";
-        ProgramError(format!("{program}, expected {expected}"))
+        ProgramError::Unfit(format!("{program}, expected {expected}"))
     })
 }
 
@@ -61,7 +80,6 @@ fn packaged(file: &Path) -> Option<PathBuf> {
     programs.into_iter().find(|program| program.is_file())
 }
 
-/// The running program.
 #[derive(Debug)]
 pub struct Process {
     child: Child,
@@ -76,7 +94,9 @@ impl Process {
     ) -> Result<(Self, u16), ProgramError> {
         let program = find_program()?;
         let refuse = ProgramError::start(program.display());
-        let port = free_port().map_err(&refuse)?;
+        // Nothing uses this port at the moment.
+        let free = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).and_then(|free| free.local_addr());
+        let port = free.map_err(&refuse)?.port();
         let mut command = Command::new(&program);
         command.arg("-c").arg(config).args(OPTIONS.split_whitespace());
         command.args(["--step-length", &(STEP_MS as f64 * 1e-3).to_string()]);
@@ -100,16 +120,16 @@ impl Process {
     ) -> Result<TcpStream, ProgramError> {
         let begun = Instant::now();
         loop {
-            match network.connect(port) {
-                Ok(stream) => return Ok(stream),
-                Err(_) if begun.elapsed() > START => {
-                    return Err(ProgramError::silent("at its start", START.as_secs_f64()));
-                }
-                Err(_) => std::thread::sleep(ATTEMPT),
+            if let Ok(stream) = network.connect(port) {
+                return Ok(stream);
             }
             if self.is_gone() {
                 return Err(self.ended("at its start"));
             }
+            if begun.elapsed() > START {
+                return Err(ProgramError::Silent("at its start", START.as_secs_f64()));
+            }
+            std::thread::sleep(ATTEMPT);
         }
     }
 
@@ -122,13 +142,11 @@ impl Process {
         let status = self.end();
         let lines = self.errors.take().and_then(|errors| errors.join().ok()).unwrap_or_default();
         let fault = lines.iter().find_map(|line| line.strip_prefix("Error: "));
-        let last = || lines.iter().rev().find(|line| !line.starts_with("Quitting"));
-        let words = fault.or_else(|| last().map(String::as_str)).map(str::to_owned);
-        let words = words.unwrap_or_else(|| match status {
-            Ok(status) => status.to_string(),
-            Err(error) => error.to_string(),
-        });
-        ProgramError(format!("ended {when}: {words}"))
+        let is_word = |line: &&String| !line.trim().is_empty() && !line.starts_with("Quitting");
+        let last = || lines.iter().rev().find(is_word).map(String::as_str);
+        let status = status.map_or_else(|error| error.to_string(), |status| status.to_string());
+        let words = fault.or_else(last).unwrap_or(&status);
+        ProgramError::Unfit(format!("ended {when}: {words}"))
     }
 
     pub fn kill(&mut self) {
@@ -153,19 +171,11 @@ impl Drop for Process {
     }
 }
 
-/// A port that nothing uses at the moment.
-fn free_port() -> io::Result<u16> {
-    Ok(TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port())
-}
-
 /// The first lines of a stream, which is read to its end.
-fn lines(stream: impl Read) -> Vec<String> {
-    let mut kept = Vec::new();
-    for line in BufReader::new(stream).lines().map_while(Result::ok) {
-        if kept.len() < KEPT_LINES && !line.trim().is_empty() {
-            let printable = line.chars().filter(|c| !c.is_control()).take(300);
-            kept.push(printable.collect());
-        }
-    }
-    kept
+fn lines(mut stream: impl Read) -> Vec<String> {
+    let mut text = Vec::new();
+    let _ = (&mut stream).take(KEPT_BYTES).read_to_end(&mut text);
+    let _ = io::copy(&mut stream, &mut io::sink());
+    let printable = |line: &str| line.chars().filter(|c| !c.is_control()).take(300).collect();
+    String::from_utf8_lossy(&text).lines().map(printable).collect()
 }

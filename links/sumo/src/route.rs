@@ -6,10 +6,10 @@ use road::{Axis, AxisError, LaneLines, Piece, Pose};
 use serde::{Deserialize, Serialize};
 
 use crate::ReadError;
-use crate::net::Net;
+use crate::demand;
+use crate::net::{self, Net};
 use crate::path::{self, Light};
 use crate::smooth::Smooth;
-use crate::{config, demand};
 
 /// Smallest radius of a route, m: turns inside of junctions are narrow.
 const MIN_RADIUS_M: f64 = 1.0;
@@ -48,8 +48,6 @@ pub struct Route {
     pub pieces: Vec<Piece>,
     /// Beginning of the axis in the plane of the net.
     pub start: Pose,
-    /// Numbers of lanes beside the first one, to the left and to the right.
-    pub beside: [usize; 2],
     /// Lines of the lanes along the axis.
     pub lines: LaneLines,
     /// Speed limits in the order of their places.
@@ -89,14 +87,14 @@ impl Route {
 /// # Errors
 /// When a file cannot be read, or has no such route.
 pub fn read_route(file: &File, ego: &str, length_m: f64) -> Result<Route, ReadError> {
-    let (net, demand) = config::read(file)?;
+    let (net, demand) = net::configured(file)?;
     let net = Net::read(&net)?;
     let edges = demand::edges(ego, &net, &demand)?;
     let path = path::along(&net, &edges)?;
     let smooth = Smooth::of(&path.points);
     let whole = Axis::narrow(&smooth.pieces, MIN_RADIUS_M).map_err(|error| {
         let reason = format!("the route `{ego}` has {error}");
-        ReadError::at(&net.file, reason, format!("turns of at least {MIN_RADIUS_M} m radius"))
+        net.refuse(reason, format!("turns of at least {MIN_RADIUS_M} m radius"))
     })?;
     let depart_m = (length_m + BEHIND_M).min(0.5 * whole.length_m());
     let end_m = (whole.length_m() - BEFORE_END_M).max(depart_m + BEHIND_M);
@@ -108,32 +106,21 @@ pub fn read_route(file: &File, ego: &str, length_m: f64) -> Result<Route, ReadEr
         format!("the ego does not give way: {junction} gives others the right of way")
     };
     let notes = path.yields_m.iter().take(4).map(gives_way).collect();
-    let mut lights: Vec<Light> = Vec::new();
-    for light in path.lights {
-        let stop_line_m = place(light.stop_line_m);
-        let is_behind = lights.last().is_some_and(|last| last.stop_line_m + APART_M > stop_line_m);
-        if stop_line_m <= 0.0 || is_behind || stop_line_m > end_m - depart_m {
-            continue;
-        }
-        lights.push(Light { stop_line_m, ..light });
-    }
-    let mut limits: Vec<Limit> = Vec::new();
-    for stretch in &path.stretches {
-        let (from_m, speed_mps) = (place(stretch.from_m), stretch.speed_mps);
-        if limits.last().is_none_or(|last| last.speed_mps != speed_mps) {
-            limits.push(Limit { from_m, speed_mps });
-        }
-    }
-    let along = Along { axis: &whole, depart_m, length_m: end_m - depart_m };
+    let placed = |light: Light| Light { stop_line_m: place(light.stop_line_m), ..light };
+    let mut lights: Vec<Light> = path.lights.into_iter().map(placed).collect();
+    lights.retain(|light| light.stop_line_m > 0.0 && light.stop_line_m <= end_m - depart_m);
+    lights.dedup_by(|light, last| last.stop_line_m + APART_M > light.stop_line_m);
+    let limit = |of: &path::Stretch| Limit { from_m: place(of.from_m), speed_mps: of.speed_mps };
+    let limits: Vec<Limit> = path.stretches.iter().map(limit).collect();
+    let axis = Axis::narrow(&pieces, MIN_RADIUS_M).expect("a part of an axis is one");
     Ok(Route {
         edges,
         lane: path.first_lane,
         depart_m,
-        lines: along.lane_lines(&path.stretches, &place),
+        lines: lane_lines(&axis, &path.stretches, place),
         pieces,
         start,
-        beside: path.beside,
-        limits: along.with_curves(&limits),
+        limits: with_curves(&axis, &limits),
         lights,
         notes,
     })
@@ -156,61 +143,47 @@ fn cut(pieces: &[Piece], axis: &Axis, from_m: f64, to_m: f64) -> (Vec<Piece>, Po
     (kept, axis.pose(from_m))
 }
 
-/// The part of an axis on which the ego drives; places count from its beginning.
-struct Along<'a> {
-    axis: &'a Axis,
-    depart_m: f64,
-    length_m: f64,
+/// The limits, lowered where a curve is passed slower. The map of curves has cells of 25 m, and turns inside of junctions
+/// are shorter.
+fn with_curves(axis: &Axis, limits: &[Limit]) -> Vec<Limit> {
+    let cells = libm::ceil(axis.length_m() / CELL_M) as u32;
+    let of_cell = |cell: u32| {
+        let from_m = f64::from(cell) * CELL_M;
+        let legal = |limit: &&Limit| limit.from_m < from_m + CELL_M;
+        let last = limits.iter().take_while(legal).last();
+        let begun = limits.iter().take_while(|limit| limit.from_m <= from_m).last();
+        let legal_mps = [last, begun].into_iter().flatten().map(|limit| limit.speed_mps);
+        let legal_mps = legal_mps.fold(f64::INFINITY, f64::min);
+        let samples =
+            (0..CELL_SAMPLES).map(|k| from_m + CELL_M * f64::from(k) / f64::from(CELL_SAMPLES));
+        let sharpest = samples.map(|p_m| axis.curvature_perm(p_m).abs()).fold(0.0, f64::max);
+        let curve_mps = (LATERAL_MPS2 / sharpest.max(1e-9)).sqrt();
+        let speed_mps =
+            if curve_mps < legal_mps { (10.0 * curve_mps).floor() / 10.0 } else { legal_mps };
+        Limit { from_m, speed_mps }
+    };
+    let mut all: Vec<Limit> = (0..cells).map(of_cell).collect();
+    all.dedup_by_key(|limit| limit.speed_mps);
+    all
 }
 
-impl Along<'_> {
-    fn curvature_perm(&self, p_m: f64) -> f64 {
-        self.axis.curvature_perm(p_m + self.depart_m)
-    }
-
-    /// The limits, lowered where a curve is passed slower. The map of curves has cells of 25 m, and turns inside of junctions are
-    /// shorter.
-    fn with_curves(&self, limits: &[Limit]) -> Vec<Limit> {
-        let mut all: Vec<Limit> = Vec::new();
-        let cells = libm::ceil(self.length_m / CELL_M) as u32;
-        for cell in 0..cells {
-            let from_m = f64::from(cell) * CELL_M;
-            let legal = |limit: &&Limit| limit.from_m < from_m + CELL_M;
-            let last = limits.iter().take_while(legal).last();
-            let begun = limits.iter().take_while(|limit| limit.from_m <= from_m).last();
-            let legal_mps = [last, begun].into_iter().flatten().map(|limit| limit.speed_mps);
-            let legal_mps = legal_mps.fold(f64::INFINITY, f64::min);
-            let samples =
-                (0..CELL_SAMPLES).map(|k| from_m + CELL_M * f64::from(k) / f64::from(CELL_SAMPLES));
-            let sharpest = samples.map(|p_m| self.curvature_perm(p_m).abs()).fold(0.0, f64::max);
-            let curve_mps = (LATERAL_MPS2 / sharpest.max(1e-9)).sqrt();
-            let speed_mps =
-                if curve_mps < legal_mps { (10.0 * curve_mps).floor() / 10.0 } else { legal_mps };
-            if all.last().is_none_or(|last| last.speed_mps != speed_mps) {
-                all.push(Limit { from_m, speed_mps });
-            }
+/// Lines of the lanes along an axis. In a narrow turn they stay on this side of its centre.
+fn lane_lines(axis: &Axis, stretches: &[path::Stretch], place: impl Fn(f64) -> f64) -> LaneLines {
+    let mut stations: Vec<Vec<f64>> = Vec::new();
+    for stretch in stretches {
+        for (way_m, lines) in [stretch.from_m, stretch.to_m].into_iter().zip(&stretch.lines) {
+            let last_m = stations.last().map_or(f64::NEG_INFINITY, |station| station[0]);
+            let p_m = place(way_m).min(axis.length_m()).max(last_m);
+            let curvature_perm = axis.curvature_perm(p_m);
+            let inner_m = INNER_SHARE / curvature_perm.abs().max(1e-9);
+            let within = |line_m: &f64| match line_m * curvature_perm > 0.0 {
+                true => line_m.clamp(-inner_m, inner_m),
+                false => *line_m,
+            };
+            let mut station = vec![p_m];
+            station.extend(lines.iter().map(within));
+            stations.push(station);
         }
-        all
     }
-
-    /// Lines of the lanes along the route. In a narrow turn they stay on this side of its centre.
-    fn lane_lines(&self, stretches: &[path::Stretch], place: &dyn Fn(f64) -> f64) -> LaneLines {
-        let mut stations: Vec<Vec<f64>> = Vec::new();
-        for stretch in stretches {
-            for (way_m, lines) in [stretch.from_m, stretch.to_m].into_iter().zip(&stretch.lines) {
-                let last_m = stations.last().map_or(-self.depart_m, |station| station[0]);
-                let p_m = place(way_m).min(self.length_m).max(last_m);
-                let curvature_perm = self.curvature_perm(p_m);
-                let inner_m = INNER_SHARE / curvature_perm.abs().max(1e-9);
-                let within = |line_m: &f64| match line_m * curvature_perm > 0.0 {
-                    true => line_m.clamp(-inner_m, inner_m),
-                    false => *line_m,
-                };
-                let mut station = vec![p_m];
-                station.extend(lines.iter().map(within));
-                stations.push(station);
-            }
-        }
-        LaneLines::new(stations)
-    }
+    LaneLines::new(stations)
 }

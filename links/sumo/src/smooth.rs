@@ -44,26 +44,25 @@ impl Smooth {
         let kept = corners(means);
         let (mut pieces, mut places) = (Vec::new(), vec![[0.0, 0.0]]);
         let (mut length_m, mut cut_m) = (0.0, 0.0);
-        let line = |way_m: f64, pieces: &mut Vec<Piece>| {
-            let length_m = if way_m > SHORTEST_M { way_m } else { 0.0 };
-            pieces.extend((length_m > 0.0).then_some(Piece::Line { length_m }));
-            length_m
-        };
         for (place, pair) in kept.windows(2).enumerate() {
             let (from, to) = (means[pair[0]], means[pair[1]]);
             let way_m = distance(from, to);
-            let Some(&after) = kept.get(place + 2) else {
-                length_m += line(way_m - cut_m, &mut pieces);
-                places.push([ways[pair[1]], length_m]);
-                break;
-            };
-            let next_m = distance(to, means[after]);
-            let turn = turn(from, to, means[after]);
-            let tangent_m = 0.5 * way_m.min(next_m);
+            // At the end there is no turn.
+            let (tangent_m, turn) = kept.get(place + 2).map_or((0.0, 0.0), |after| {
+                let next_m = distance(to, means[*after]);
+                (0.5 * way_m.min(next_m), turn(from, to, means[*after]))
+            });
+            let line_m = way_m - cut_m - tangent_m;
+            if line_m > SHORTEST_M {
+                pieces.push(Piece::Line { length_m: line_m });
+                length_m += line_m;
+            }
             let radius_m = tangent_m / libm::tan(0.5 * turn.abs()).max(1e-12);
-            length_m += line(way_m - cut_m - tangent_m, &mut pieces);
             let arc_m = radius_m * turn.abs();
-            pieces.push(Piece::Arc { length_m: arc_m, curvature_perm: turn.signum() / radius_m });
+            if arc_m > 0.0 {
+                let curvature_perm = turn.signum() / radius_m;
+                pieces.push(Piece::Arc { length_m: arc_m, curvature_perm });
+            }
             places.push([ways[pair[1]], length_m + 0.5 * arc_m]);
             length_m += arc_m;
             cut_m = tangent_m;

@@ -9,10 +9,7 @@ const MOST_BYTES: usize = 64 << 20;
 /// Deepest nesting of a compound value.
 const MOST_DEPTH: u32 = 8;
 
-/// The next message of a stream.
-///
-/// # Errors
-/// `InvalidData` for a length that no message has.
+/// The next message of a stream; `InvalidData` for a length that no message has.
 pub fn read_message(stream: &mut impl Read) -> io::Result<Vec<u8>> {
     let mut head = [0; 4];
     stream.read_exact(&mut head)?;
@@ -22,12 +19,10 @@ pub fn read_message(stream: &mut impl Read) -> io::Result<Vec<u8>> {
     stream.read_exact(&mut body).map(|()| body)
 }
 
-/// Writes a message of commands or answers.
 pub fn write_message(stream: &mut impl Write, body: &[u8]) -> io::Result<()> {
     stream.write_all(&[&(body.len() as i32 + 4).to_be_bytes(), body].concat())
 }
 
-/// A value of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     Number(f64),
@@ -92,16 +87,11 @@ impl Body {
         self.byte(0x09).whole(value)
     }
 
-    /// Appends the command `id` with this body to a message.
+    /// Appends the command `id` with this body to a message, with its length in the form for long ones.
     pub fn write(&self, id: u8, message: &mut Vec<u8>) {
-        let length = self.0.len() + 2;
-        match u8::try_from(length) {
-            Ok(length) => message.push(length),
-            Err(_) => {
-                message.push(0);
-                message.extend((length as i32 + 4).to_be_bytes());
-            }
-        }
+        let length = self.0.len() as i32 + 6;
+        message.push(0);
+        message.extend(length.to_be_bytes());
         message.push(id);
         message.extend(&self.0);
     }
@@ -115,7 +105,7 @@ type Done<T> = Result<T, ProgramError>;
 impl<'a> Answer<'a> {
     fn take(&mut self, count: usize) -> Done<&'a [u8]> {
         let taken = self.0.split_at_checked(count);
-        let (taken, rest) = taken.ok_or_else(|| ProgramError::nonsense("it ends too early"))?;
+        let (taken, rest) = taken.ok_or(ProgramError::Nonsense("it ends too early"))?;
         self.0 = rest;
         Ok(taken)
     }
@@ -136,7 +126,7 @@ impl<'a> Answer<'a> {
     pub fn count(&mut self) -> Done<usize> {
         let count = self.whole()?;
         let count = usize::try_from(count).ok().filter(|count| *count <= self.0.len());
-        count.ok_or_else(|| ProgramError::nonsense("a count beyond its end"))
+        count.ok_or(ProgramError::Nonsense("a count beyond its end"))
     }
 
     pub fn number(&mut self) -> Done<f64> {
@@ -148,29 +138,38 @@ impl<'a> Answer<'a> {
         Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
     }
 
-    /// The id of a command, behind its length.
-    pub fn command(&mut self) -> Done<u8> {
-        if self.byte()? == 0 {
-            self.whole()?;
-        }
-        self.byte()
-    }
-
     /// The next command of a message: its id, its body, and all of it.
-    pub fn next_command(&mut self) -> Done<(u8, Answer<'a>, &'a [u8])> {
-        let whole = self.0;
-        let short = usize::from(self.byte()?);
+    pub fn command(&mut self) -> Done<(u8, Answer<'a>, &'a [u8])> {
+        let (begun, short) = (self.0, usize::from(self.byte()?));
         let length = if short > 0 { short } else { self.whole()?.max(0) as usize };
-        self.0 = whole;
+        let head = begun.len() - self.0.len();
+        self.0 = begun;
         let whole = self.take(length)?;
-        let mut body = Answer(whole);
-        Ok((body.command()?, body, whole))
+        let mut body = Answer(whole.get(head..).unwrap_or_default());
+        Ok((body.byte()?, body, whole))
     }
 
-    /// The status of a command: its id, and its words if it was refused.
-    pub fn status(&mut self) -> Done<(u8, Option<String>)> {
-        let (id, result, words) = (self.command()?, self.byte()?, self.text()?);
-        Ok((id, (result != 0).then_some(words)))
+    /// The words of a command that was refused.
+    pub fn refusal(&mut self) -> Done<Option<String>> {
+        let (_, mut body, _) = self.command()?;
+        let (result, words) = (body.byte()?, body.text()?);
+        Ok((result != 0).then_some(words))
+    }
+
+    /// The values of a subscription's variables, in their order.
+    pub fn variables<const N: usize>(&mut self, asked: [u8; N]) -> Done<[Value; N]> {
+        let mut values = asked.map(|_| Value::Number(f64::NAN));
+        for (value, variable) in values.iter_mut().zip(asked) {
+            let (given, result) = (self.byte()?, self.byte()?);
+            *value = self.value()?;
+            if result != 0 {
+                return Err(ProgramError::Refused("a subscription", value.text().to_owned()));
+            }
+            if given != variable {
+                return Err(ProgramError::Nonsense("a variable that was not asked for"));
+            }
+        }
+        Ok(values)
     }
 
     /// A value behind its type.
@@ -199,7 +198,7 @@ impl<'a> Answer<'a> {
                 let parts = (0..count).map(|_| self.nested(depth + 1));
                 Value::Compound(parts.collect::<Done<_>>()?)
             }
-            _ => return Err(ProgramError::nonsense("a value of an unknown type")),
+            _ => return Err(ProgramError::Nonsense("a value of an unknown type")),
         })
     }
 }
@@ -209,14 +208,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_long_command_has_a_long_length() {
+    fn each_command_has_the_length_of_a_long_one() {
         let mut message = Vec::new();
         Body::default().text(&"x".repeat(300)).write(0x2a, &mut message);
         assert_eq!((message[0], message[5], message.len()), (0, 0x2a, 1 + 4 + 1 + 304));
         assert_eq!(message[1..5], 310_i32.to_be_bytes());
         let mut short = Vec::new();
         Body::default().byte(7).write(0x2a, &mut short);
-        assert_eq!(short, [3, 0x2a, 7]);
+        assert_eq!(short, [0, 0, 0, 0, 7, 0x2a, 7]);
+        assert_eq!(Answer(&short).command().expect("whole").1.0, [7]);
+        let (id, body, _) = Answer(&[3, 0x2a, 7]).command().expect("SUMO's answers are short");
+        assert_eq!((id, body.0), (0x2a, &[7][..]));
     }
 
     #[test]

@@ -16,8 +16,8 @@ use std::path::PathBuf;
 
 use road::{Axis, Pose};
 
-use crate::client::{Client, State, Vehicle};
-use crate::lights::{Interval, Plan};
+use crate::client::{Client, Vehicle};
+use crate::lights::{Interval, Plan, State};
 use crate::process::Network;
 use crate::shared::Seat;
 use crate::{ProgramError, RADIUS_M, Route, STEP_MS};
@@ -35,12 +35,9 @@ const ALONG_RAD: f64 = 0.15;
 /// Way before the end of the route on which SUMO may take the ego away, m.
 const NEAR_END_M: f64 = 20.0;
 
-/// Settings of a run.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The configuration file.
     pub config: PathBuf,
-    /// The run's seed.
     pub seed: u64,
     /// Time that SUMO drives without the ego, s.
     pub begin_s: f64,
@@ -52,8 +49,6 @@ pub struct Settings {
     pub speed_mps: f64,
     /// Most vehicles at a time.
     pub most: usize,
-    /// A SUMO that several egos share; none: one of the run's own.
-    pub shared: Option<Seat>,
     /// Waits for the answer of a step at once.
     pub waits: bool,
 }
@@ -70,10 +65,8 @@ pub struct Ego {
 }
 
 /// A vehicle beside the ego, by the axis of the route.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// It is within reach.
-    pub present: bool,
     /// Place of its middle on the axis, m.
     pub middle_m: f64,
     /// Offset of its middle from the axis, m, left positive.
@@ -110,7 +103,6 @@ impl Body {
     }
 }
 
-/// SUMO's world.
 #[derive(Debug)]
 pub struct World {
     client: Client,
@@ -127,7 +119,7 @@ pub struct World {
     ahead_s: f64,
     place_m: f64,
     /// Ids and bodies at the newest answer; a vehicle keeps its slot.
-    slots: Vec<(String, Body)>,
+    slots: Vec<Option<(String, Body)>>,
     /// Time since that answer, s.
     age_s: f64,
     plans: Vec<(String, Plan)>,
@@ -147,7 +139,7 @@ impl World {
         route: &Route,
         network: &mut dyn Network,
     ) -> Result<Self, ProgramError> {
-        let Settings { config, seed, shared, deadline_s, .. } = settings;
+        let (Settings { config, seed, deadline_s, .. }, shared) = (settings, Seat::given());
         let mut client = match shared {
             Some(seat) => seat.take(*deadline_s)?,
             None => Client::start((config, *seed), *deadline_s, network)?,
@@ -176,18 +168,15 @@ impl World {
                 let lane = format!("{}_{}", route.edges[0], route.lane);
                 let waited = format!("no room for the ego on lane `{lane}` within {ROOM_S} s");
                 let expected = "a lane with a gap (traffic.begin_s moves the start)";
-                return Err(ProgramError(format!(
-                    "{waited} of simulated time, expected {expected}"
-                )));
+                let fault = format!("{waited} of simulated time, expected {expected}");
+                return Err(ProgramError::Unfit(fault));
             }
         }
         client.surround()?;
         let mut plans: Vec<(String, Plan)> = Vec::new();
         for light in &route.lights {
             if plans.iter().all(|(known, _)| *known != light.controller) {
-                client.watch(&light.controller)?;
-                let (present, programs) = client.programs(&light.controller)?;
-                plans.push((light.controller.clone(), Plan::of(&present, &programs)));
+                plans.push((light.controller.clone(), client.watch(&light.controller)?));
             }
         }
         let (axis, _) = route.axis().expect("a route that was read has an axis");
@@ -208,7 +197,7 @@ impl World {
             // The step of run time 0 is the next one.
             ahead_s: time_s + STEP_MS as f64 * 1e-3,
             place_m: 0.0,
-            slots: vec![Default::default(); settings.most],
+            slots: vec![None; settings.most],
             age_s: 0.0,
             plans,
             states: Vec::new(),
@@ -240,8 +229,8 @@ impl World {
     }
 
     /// The vehicles around the ego; a vehicle keeps its place in the list.
-    pub fn bodies(&self) -> impl Iterator<Item = Body> + '_ {
-        self.slots.iter().map(|(_, known)| known.after(self.age_s))
+    pub fn bodies(&self) -> impl Iterator<Item = Option<Body>> + '_ {
+        self.slots.iter().map(|slot| slot.as_ref().map(|(_, known)| known.after(self.age_s)))
     }
 
     /// The present interval of a light of the route, by its index, and those behind it. Empty while nothing is known.
@@ -267,7 +256,7 @@ impl World {
         if let Some(words) = step.refusal
             && self.place_m < self.axis.length_m() - NEAR_END_M
         {
-            return Err(ProgramError::refused("placing the ego", &words));
+            return Err(ProgramError::Refused("placing the ego", words));
         }
         if !step.states.is_empty() {
             self.states = step.states;
@@ -280,12 +269,11 @@ impl World {
         let bodies = near.into_iter().filter_map(|(_, v)| Some((self.body(&v)?, v.id)));
         let mut found: BTreeMap<_, _> =
             bodies.take(self.slots.len()).map(|(body, id)| (id, body)).collect();
-        for (id, body) in &mut self.slots {
-            let known = body.present.then(|| found.remove(id)).flatten();
-            *body = known.unwrap_or_default();
+        for slot in &mut self.slots {
+            *slot = slot.take().and_then(|(id, _)| found.remove_entry(&id));
         }
-        let free = self.slots.iter_mut().filter(|(_, body)| !body.present);
-        free.zip(found).for_each(|(slot, new)| *slot = new);
+        let free = self.slots.iter_mut().filter(|slot| slot.is_none());
+        free.zip(found).for_each(|(slot, new)| *slot = Some(new));
         Ok(())
     }
 
@@ -308,7 +296,6 @@ impl World {
         let acceleration =
             if vehicle.acceleration_mps2.is_finite() { vehicle.acceleration_mps2 } else { 0.0 };
         Some(Body {
-            present: true,
             middle_m,
             aside_m,
             turned_rad: if body_rad.abs() < ALONG_RAD { 0.0 } else { body_rad },

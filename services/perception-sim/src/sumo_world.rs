@@ -11,7 +11,7 @@ use runtime::{
 };
 use scenario::Scenario;
 use scenario::event::VEHICLE_WIDTH_M;
-use sumo::{Body, Colour, Network, ProgramError, Seat, Settings, World};
+use sumo::{Body, Network, ProgramError, Settings, World};
 
 use crate::radar::scene::{Ego, PlaneEgo};
 use crate::traffic::Traffic;
@@ -49,7 +49,6 @@ impl SumoWorld {
             ego_m: (scenario.plant.length_m.value(), VEHICLE_WIDTH_M),
             speed_mps: scenario.plant.initial_speed_mps.value(),
             most: scenario.actors.len(),
-            shared: Seat::given(),
             waits: runtime.clock().mode == Mode::Lockstep,
         };
         let world = World::start(&settings, route, &mut Alone::default()).map_err(failed)?;
@@ -74,7 +73,7 @@ impl SumoWorld {
         let ego = sumo::Ego { pose: in_plane.pose, place_m, speed_mps, acceleration_mps2 };
         self.world.advance(time_ns, &ego).map_err(failed)?;
         self.time_s = time_ns as f64 * 1e-9;
-        traffic.place(self.world.bodies().map(|body| vehicle(&body)));
+        traffic.place(self.world.bodies().map(|body| body.map(vehicle).unwrap_or_default()));
         Ok(())
     }
 
@@ -87,7 +86,7 @@ impl SumoWorld {
             let near = near.filter(|(_, lane)| lane.stop_line_m > ego_m - PASSED_M);
             for (index, lane) in near.take(MAX_LANES) {
                 let intervals = world.light(index, *time_s);
-                let is_dark = intervals.first().is_none_or(|now| now.colour == Colour::Dark);
+                let is_dark = intervals.first().is_none_or(|now| now.0 == PhaseState::Unavailable);
                 if is_dark {
                     continue;
                 }
@@ -107,17 +106,11 @@ fn failed(error: ProgramError) -> RuntimeError {
 
 fn write(lane: &Lane, intervals: &[sumo::Interval], signal: &mut Signal) {
     (signal.intersection_id, signal.signal_group) = (lane.intersection_id, lane.signal_group);
-    for (place, interval) in signal.intervals.iter_mut().zip(intervals) {
-        let state = match interval.colour {
-            Colour::Green => PhaseState::ProtectedMovementAllowed,
-            Colour::Yellow => PhaseState::ProtectedClearance,
-            Colour::Red => PhaseState::StopAndRemain,
-            Colour::Dark => PhaseState::Unavailable,
-        };
-        let [min_end_s, likely_end_s, max_end_s] = interval.ends_s;
+    for (place, (state, ends_s)) in signal.intervals.iter_mut().zip(intervals) {
+        let [min_end_s, likely_end_s, max_end_s] = *ends_s;
         *place = Interval {
             state: state.to_wire(),
-            confidence: if interval.is_certain() { CERTAIN } else { UNCERTAIN },
+            confidence: if min_end_s == max_end_s { CERTAIN } else { UNCERTAIN },
             min_end_s,
             likely_end_s,
             max_end_s,
@@ -126,10 +119,7 @@ fn write(lane: &Lane, intervals: &[sumo::Interval], signal: &mut Signal) {
     }
 }
 
-fn vehicle(body: &Body) -> Vehicle {
-    if !body.present {
-        return Vehicle::default();
-    }
+fn vehicle(body: Body) -> Vehicle {
     let along = half_extent_m(body.length_m, body.width_m, body.turned_rad);
     let across = match body.turned_rad == 0.0 {
         true => 0.5 * body.width_m,

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::one_of;
 pub use driven::{Driven, DrivenLane, driven_lane};
 pub(crate) use opendrive::nearest;
-pub use opendrive::{Found, read};
+pub use opendrive::{Found, Text, read};
 
 pub const ASSUMED_LANE_WIDTH_M: f64 = 3.5;
 const ASSUMED_LANES: i32 = 8;

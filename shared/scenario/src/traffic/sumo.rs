@@ -12,6 +12,7 @@
 
 use std::path::Path;
 
+use road::LaneLines;
 pub use sumo::{Limit, Route};
 
 use scenario_derive::tables;
@@ -80,8 +81,7 @@ pub(crate) fn load(
     plan.lay(axis);
     if !document.has("road.plan") {
         plan.start = Start::of_pose(&route.start);
-        let beside = Lanes::beside(route.beside, width_m(&route));
-        plan.lanes = Lanes { along: route.lines, ..beside };
+        plan.lanes = lanes(route.lines);
     }
     Ok(if file.is_some() { route.notes } else { Vec::new() })
 }
@@ -143,11 +143,13 @@ fn follow(
     Ok(())
 }
 
-fn width_m(route: &sumo::Route) -> f64 {
-    let first = route.lines.stations().first();
-    first.map_or(3.2, |station| {
-        (station[station.len() - 1] - station[1]) / (station.len() - 2) as f64
-    })
+/// The lanes along a road, with those beside the ego's at the start by their lines.
+fn lanes(along: LaneLines) -> Lanes {
+    let first = along.stations().first().map_or(&[-1.6, 1.6][..], |station| &station[1..]);
+    let right = first.iter().filter(|line_m| **line_m < 0.0).count();
+    let width_m = (first[first.len() - 1] - first[0]) / (first.len() - 1) as f64;
+    let beside = [first.len() - right, right].map(|lines| lines.saturating_sub(1));
+    Lanes { along, ..Lanes::beside(beside, width_m) }
 }
 
 /// A place for a vehicle.

@@ -13,7 +13,8 @@ use crate::error::{ReadError, one_of};
 use crate::xml::{Document, Element};
 use geometry::Line;
 use row::{Row, outside_junctions};
-use text::{Text, children};
+pub use text::Text;
+use text::children;
 
 /// Most roads that an error lists.
 const MOST_LISTED: usize = 8;

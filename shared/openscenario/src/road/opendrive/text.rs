@@ -1,4 +1,4 @@
-//! Numbers and errors of an OpenDRIVE file.
+//! Numbers and errors of a file, as OpenDRIVE and SUMO write them.
 
 use road::Stretch;
 
@@ -8,7 +8,8 @@ use crate::xml::Element;
 /// Largest factor of a cubic: with a larger one a height or a width might not be finite.
 const MAX_FACTOR: f64 = 1e6;
 
-#[derive(Clone, Copy)]
+/// The file that errors name.
+#[derive(Clone, Copy, Debug)]
 pub struct Text<'a> {
     pub file: &'a str,
 }
