@@ -10,9 +10,6 @@
 //! Places are those of the straight road that [`super::course`] makes of the one ahead. They are arc length σ, and
 //! distance d from the course. The range rate is the one that the same motion would have there.
 
-use std::array::from_fn;
-use std::ops::Range;
-
 use messages::Detection;
 
 use super::course::Course;
@@ -47,41 +44,19 @@ pub struct Point {
     pub owner: Option<usize>,
 }
 
-/// A detection in the body's axes, with the accuracy that the receiver has at its signal-to-noise ratio.
-#[derive(Clone, Copy, Debug)]
-pub struct Reading {
-    /// Sine and cosine of the azimuth.
-    pub sine: f64,
-    /// See `sine`.
-    pub cosine: f64,
-    /// Distance ahead and to the left, m.
-    pub ahead_m: f64,
-    /// See `ahead_m`.
-    pub left_m: f64,
-    /// Signal-to-noise ratio.
-    pub snr: f64,
-}
-
-impl Reading {
-    /// A detection's direction, place and signal-to-noise ratio.
-    pub fn new(detection: &Detection) -> Self {
-        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
-        let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
-        Self { sine, cosine, ahead_m, left_m, snr: snr_of(detection) }
-    }
-}
-
 impl Point {
     /// The detection number `index` on a course.
     pub fn new(
         index: usize,
-        (detection, reading): (&Detection, &Reading),
+        detection: &Detection,
         ego: &Motion,
         receiver: &Receiver,
         course: &Course,
     ) -> Self {
         let ego_mps = ego.speed_mps;
-        let Reading { sine, cosine, ahead_m, left_m, snr } = *reading;
+        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
+        let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
+        let snr = snr_of(detection);
         let cross_m = detection.range_m / cosine.max(0.1);
         let straight = Self {
             x_m: ahead_m,
@@ -153,26 +128,19 @@ pub struct Outline {
 impl Outline {
     /// Distance of a detection from the outline, squared; `None` outside the gate.
     pub fn distance(&self, point: &Point, gate: f64, numbers: &Numbers) -> Option<f64> {
-        let position_gate = numbers.position_gate * numbers.position_gate;
+        let position_gate = numbers.surely_sigma * numbers.surely_sigma;
         let body = numbers.body_sigma_m * numbers.body_sigma_m;
         let along_m = point.x_m - self.rear_m;
-        let off_x = |beyond_m: f64| (-along_m).max(along_m - self.length_m - beyond_m).max(0.0);
         let off_y = ((point.y_m - self.lateral_m).abs() - self.half_width_m).max(0.0);
         let variance_x = self.variances[0] + point.range_variance + body;
         let variance_y = self.variances[1] + point.lateral_variance + body;
-        // Most points are far from most outlines: neither a root nor a division for them.
-        let least_x = off_x(numbers.beyond_along_side_m.max(numbers.beyond_m));
-        if least_x * least_x > position_gate * variance_x
-            || off_y * off_y > position_gate * variance_y
-        {
-            return None;
-        }
-        let off_x = off_x(match self.is_on_side(point, numbers) {
+        let beyond_m = match self.is_on_side(point, numbers) {
             true => numbers.beyond_along_side_m,
             false => numbers.beyond_m,
-        });
+        };
+        let off_x = (-along_m).max(along_m - self.length_m - beyond_m).max(0.0);
         let (x, y) = (off_x * off_x / variance_x, off_y * off_y / variance_y);
-        if x > position_gate {
+        if x > position_gate || y > position_gate {
             return None;
         }
         let (cosine, sine) = point.direction;
@@ -191,19 +159,6 @@ impl Outline {
         let sigma_m = (self.variances[1] + point.lateral_variance).sqrt();
         let margin_m = numbers.side_line_m + numbers.likely_sigma * sigma_m;
         self.aspect_m.abs() > numbers.side_shown_m && (point.y_m - side_m).abs() < margin_m
-    }
-
-    /// A point is on the vehicle or close to it, however fast it moves.
-    pub fn covers(&self, point: &Point, numbers: &Numbers) -> bool {
-        let gate = numbers.position_gate;
-        let sigma_x = (self.variances[0] + point.range_variance).sqrt();
-        let sigma_y = (self.variances[1] + point.lateral_variance).sqrt();
-        let margin_x = numbers.covers_along_m + gate * sigma_x;
-        let margin_y = numbers.covers_across_m + gate * sigma_y;
-        let along_m = point.x_m - self.rear_m;
-        along_m > -margin_x
-            && along_m < self.length_m + numbers.beyond_m + margin_x
-            && (point.y_m - self.lateral_m).abs() < self.half_width_m + margin_y
     }
 }
 
@@ -227,19 +182,6 @@ pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64, numbers:
     }
 }
 
-/// For each of the first `N` tracks the points from the first one of its own to the last. Points are in the order of
-/// their ranges, so that those of a vehicle are close together.
-pub(super) fn spans<const N: usize>(points: &[Point]) -> [Range<usize>; N] {
-    let mut spans = from_fn(|_| 0..0);
-    for (index, point) in points.iter().enumerate() {
-        if let Some(span) = point.owner.and_then(|owner| spans.get_mut(owner)) {
-            let first = if span.start == span.end { index } else { span.start };
-            *span = first..index + 1;
-        }
-    }
-    spans
-}
-
 /// Lets go of the points on one side of a track whose points are farther apart than a vehicle is wide. They are of two
 /// vehicles abreast. It keeps those on the side on which it is expected.
 pub fn part(points: &mut [Point], outline: &Outline, numbers: &Numbers) {
@@ -250,7 +192,7 @@ pub fn part(points: &mut [Point], outline: &Outline, numbers: &Numbers) {
         left_m = left_m.max(point.y_m);
         variance = variance.max(point.lateral_variance);
     }
-    if left_m - right_m < numbers.widest_m + numbers.position_gate * (2.0 * variance).sqrt() {
+    if left_m - right_m < numbers.widest_m + numbers.surely_sigma * (2.0 * variance).sqrt() {
         return;
     }
     let middle_m = 0.5 * (left_m + right_m);

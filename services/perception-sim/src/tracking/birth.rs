@@ -8,7 +8,7 @@
 //!
 //! A detection whose vehicle the radar knows begins a track wherever it is, and counts as a vehicle that has moved.
 
-use super::association::{Outline, Point};
+use super::association::Point;
 use super::mirror;
 use super::numbers::Numbers;
 use super::sighting::Sighting;
@@ -20,11 +20,9 @@ pub fn moves(point: &Point, numbers: &Numbers) -> bool {
 }
 
 /// Calls `begin` with what is seen of each new vehicle, and whether it moves. Nothing that stands and `is_aside` begins
-/// a track. `outlines` are those of the tracks that were seen in this scan. The points used belong to nothing else
-/// afterwards.
+/// a track. The points used belong to nothing else afterwards.
 pub fn find(
     points: &mut [Point],
-    outlines: &[Outline],
     is_aside: impl Fn(&Point) -> bool,
     numbers: &Numbers,
     mut begin: impl FnMut(&Sighting, bool),
@@ -33,9 +31,7 @@ pub fn find(
         let stands_aside = !moves(point, numbers) && is_aside(point);
         if point.owner.is_none()
             && point.vehicle.is_none()
-            && (stands_aside
-                || mirror::is_too_far(point, numbers)
-                || outlines.iter().any(|outline| outline.covers(point, numbers)))
+            && (stands_aside || mirror::is_too_far(point, numbers))
         {
             point.owner = Some(NO_TRACK);
         }
@@ -45,14 +41,12 @@ pub fn find(
             continue;
         }
         let seed = points[first];
-        let mut last = seed;
         for point in &mut points[first..] {
             if point.owner.is_none()
                 && point.vehicle == seed.vehicle
-                && (together(&seed, point, numbers) || chained(&last, point, numbers))
+                && together(&seed, point, numbers)
             {
                 point.owner = Some(NEW_TRACK);
-                last = *point;
             }
         }
         let members = points.iter().filter(|point| point.owner == Some(NEW_TRACK));
@@ -77,15 +71,6 @@ fn together(a: &Point, b: &Point, numbers: &Numbers) -> bool {
         && differ_mps(a, b) < numbers.cluster_rate_mps + rate_mps
 }
 
-/// Two echoes come from the side of one long vehicle on another lane.
-fn chained(a: &Point, b: &Point, numbers: &Numbers) -> bool {
-    let (width_m, rate_mps) = noise(a, b, numbers);
-    a.aspect_m.abs() > numbers.standing_half_width_m
-        && (b.x_m - a.x_m).abs() < numbers.chain_length_m
-        && (b.y_m - a.y_m).abs() < numbers.chain_width_m + width_m
-        && differ_mps(a, b) < 0.5 * numbers.cluster_rate_mps + rate_mps
-}
-
 fn differ_mps(a: &Point, b: &Point) -> f64 {
     (b.relative_speed_mps(0.0) - a.relative_speed_mps(0.0)).abs()
 }
@@ -108,7 +93,7 @@ mod tests {
 
     fn begun(points: &[Point]) -> usize {
         let (mut points, mut count) = (points.to_vec(), 0);
-        find(&mut points, &[], aside, &Numbers::DEFAULT, |_, _| count += 1);
+        find(&mut points, aside, &Numbers::DEFAULT, |_, _| count += 1);
         assert!(points.iter().all(|point| point.owner.is_some()));
         count
     }
@@ -163,65 +148,20 @@ mod tests {
     }
 
     #[test]
-    fn points_on_the_side_of_a_long_vehicle_are_a_chain() {
-        let seed = point(40.0, 3.5, 0.0);
-        let (width_m, rate_mps) = (0.5 + 2.0 * f64::sqrt(0.08), 0.5 + 3.0 * f64::sqrt(0.02));
-        for (share, expected) in [(0.99, true), (-0.99, true), (1.01, false), (-1.01, false)] {
-            let is_one = |point: Point| chained(&seed, &point, &NUMBERS);
-            assert_eq!(is_one(point(40.0 + 8.0 * share, 3.5, 0.0)), expected, "{share} along");
-            assert_eq!(is_one(point(40.0, 3.5 + width_m * share, 0.0)), expected, "{share} across");
-            assert_eq!(is_one(point(40.0, 3.5, rate_mps * share)), expected, "{share} faster");
-        }
-        // A vehicle in the ego's lane shows no side.
-        for (aspect_m, expected) in [(1.9, false), (2.1, true), (-2.1, true)] {
-            let seed = Point { aspect_m, ..seed };
-            assert_eq!(chained(&seed, &point(47.0, 3.5, 0.0), &NUMBERS), expected, "{aspect_m}");
-        }
-    }
-
-    /// A lorry in the next lane of which five places along its side are seen, each 7 m from the one before.
-    #[test]
-    fn a_chain_goes_on_from_its_last_place() {
-        let side: Vec<Point> = (0..5).map(|k| point(40.0 + 7.0 * f64::from(k), 3.5, 0.0)).collect();
-        assert_eq!(begun(&side), 1);
-        assert_eq!(begun(&[side[0], side[2], side[4]]), 3, "14 m apart");
-    }
-
-    #[test]
     fn a_new_vehicle_has_all_its_points_and_says_whether_it_moves() {
         let mut points = [point(40.0, 0.5, 0.0), point(42.0, -0.5, 0.0), point(80.0, 0.0, -20.0)];
         points[2].detection = 5;
         let mut seen = Vec::new();
-        find(&mut points, &[], aside, &NUMBERS, |sighting, moves| {
+        find(&mut points, aside, &NUMBERS, |sighting, moves| {
             seen.push((sighting.nearest, sighting.farthest_m, moves));
         });
         assert_eq!(seen, [(0, 42.0, true), (5, 80.0, false)]);
     }
 
     #[test]
-    fn nothing_begins_on_a_track_that_was_seen() {
-        let outline = Outline {
-            place: 0,
-            vehicle: None,
-            confirmed: true,
-            rear_m: 40.0,
-            lateral_m: 0.0,
-            aspect_m: 0.0,
-            length_m: 4.5,
-            half_width_m: 0.9,
-            relative_speed_mps: 0.0,
-            lateral_speed_mps: 0.0,
-            variances: [0.1; 4],
-        };
-        let mut points = [point(41.0, 0.0, -5.0), point(60.0, 0.0, -5.0)];
-        let mut seen = Vec::new();
-        find(&mut points, &[outline], aside, &NUMBERS, |sighting, _| {
-            seen.push(sighting.farthest_m);
-        });
-        assert_eq!(seen, [60.0]);
-        // A point that a track has taken begins nothing either.
+    fn a_point_that_a_track_has_taken_begins_nothing() {
         let mut taken = [Point { owner: Some(0), ..point(60.0, 0.0, -5.0) }];
-        find(&mut taken, &[], aside, &NUMBERS, |_, _| panic!("it is taken"));
+        find(&mut taken, aside, &NUMBERS, |_, _| panic!("it is taken"));
         assert_eq!(taken[0].owner, Some(0));
     }
 }

@@ -148,17 +148,6 @@ impl Course {
     }
 }
 
-impl Node {
-    /// Cosine and sine of its heading turned by a small angle: series whose error is below 1e-15 up to 0.05 rad.
-    fn turned(&self, turn_rad: f64) -> (f64, f64) {
-        let square = turn_rad * turn_rad;
-        let [a, b, c, d] = [12.0, 30.0, 20.0, 42.0].map(|divisor| square * (1.0 / divisor));
-        let cosine = 1.0 - 0.5 * square * (1.0 - a * (1.0 - b));
-        let sine = turn_rad * (1.0 - square * (1.0 / 6.0) * (1.0 - c * (1.0 - d)));
-        (self.cosine * cosine - self.sine * sine, self.sine * cosine + self.cosine * sine)
-    }
-}
-
 /// The node nearest to a multiple of their distance.
 fn node_at(place: f64) -> usize {
     (place.round().max(0.0) as usize).min(NODES - 1)

@@ -43,12 +43,7 @@ impl ExactTracker {
             let (id, mut membership) = place.unwrap_or_else(|| {
                 let id = self.next_id;
                 self.next_id = self.next_id.wrapping_add(1).max(1);
-                // Its measured place selects it first, its true place afterwards.
-                let lateral_m = match &scene.plane {
-                    Some(plane) if !plane.is_line => vehicle.lateral_m,
-                    _ => measurement.range_m * libm::sin(measurement.azimuth_rad),
-                };
-                (id, self.limits.long_known(lateral_m))
+                (id, Membership::default())
             });
             self.limits.observe(&mut membership, &Across::resting(vehicle.lateral_m), dt_s);
             *place = Some((id, membership));

@@ -39,7 +39,7 @@ impl Filter {
     /// Takes in a measured position, m. A distant one counts as one at the limit.
     pub fn update(&mut self, position: Measured, numbers: &Numbers) {
         let innovation = self.0.widest(0, position.value, position.variance);
-        let limit = numbers.lateral_limit_sigma * innovation.variance.sqrt();
+        let limit = numbers.surely_sigma * innovation.variance.sqrt();
         let predicted = position.value - innovation.residual;
         let value = predicted + innovation.residual.clamp(-limit, limit);
         if value.is_finite() {

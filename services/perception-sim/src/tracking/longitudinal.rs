@@ -76,15 +76,6 @@ pub struct Estimate {
     pub covariance: [[f64; 3]; 3],
 }
 
-impl Estimate {
-    /// Constant braking that keeps the ego behind a vehicle of constant speed, m/s². It is 0 if they do not come
-    /// closer.
-    pub fn braking_mps2(&self) -> f64 {
-        let closing_mps = (-self.relative_speed_mps).max(0.0);
-        closing_mps * closing_mps / (2.0 * self.gap_m.max(1.0))
-    }
-}
-
 /// A measured value with its variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
@@ -174,11 +165,6 @@ impl Filter {
         let hardest_mps2 = model.numbers.hardest_mps2;
         self.0.change(|state| state.mean[2] = state.mean[2].clamp(-hardest_mps2, hardest_mps2));
         range_fits && rate_fits
-    }
-
-    /// Takes in a range rate alone.
-    pub fn see_range_rate(&mut self, model: &Model, range_rate: Measured) {
-        self.update(model, Measured { value: f64::NAN, variance: 1.0 }, range_rate);
     }
 
     /// Variance with which a range rate is expected, without its own.

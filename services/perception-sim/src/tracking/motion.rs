@@ -13,6 +13,48 @@ pub struct Motion {
     pub slip_rad: f64,
 }
 
+/// Speed below which the yaw rate shows no curvature, m/s: its noise would decide.
+const SLOW_MPS: f64 = 3.0;
+
+/// The ego's own body, by which its bumper leaves the body's axis in a curve.
+///
+/// In a steady turn of curvature κ the rear axle's tyres slip by their compliance times the lateral acceleration v² κ.
+/// The bumper, b before that axle, moves to the left with b κ v:
+///
+/// ```text
+/// slip = b κ - compliance · v² κ        κ = yaw rate / v
+/// ```
+///
+/// Source: Riekert and Schunck, Zur Fahrmechanik des gummibereiften Kraftfahrzeugs, Ingenieur-Archiv 11 (1940) 210.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// From the rear axle to the front bumper, m.
+    axle_to_bumper_m: f64,
+    /// Slip angle of the rear tyres by lateral acceleration, rad per m/s².
+    slip_rad_per_mps2: f64,
+}
+
+impl Body {
+    /// The ego of a scenario.
+    pub fn of(plant: &scenario::plant::Plant) -> Self {
+        let wheelbase_m = plant.lateral.wheelbase_m.value();
+        let overhang_m = 0.5 * (plant.length_m.value() - wheelbase_m).max(0.0);
+        Self {
+            axle_to_bumper_m: wheelbase_m + overhang_m,
+            slip_rad_per_mps2: plant.lateral.slip_rad_per_mps2.value(),
+        }
+    }
+
+    /// The motion by a speed and a yaw rate.
+    pub fn motion(&self, speed_mps: f64, yaw_rate_radps: Option<f64>) -> Motion {
+        let slip = |radps| {
+            radps * (self.axle_to_bumper_m / speed_mps - self.slip_rad_per_mps2 * speed_mps)
+        };
+        let turning = yaw_rate_radps.filter(|_| speed_mps >= SLOW_MPS);
+        Motion { speed_mps, yaw_rate_radps, slip_rad: turning.map_or(0.0, slip) }
+    }
+}
+
 /// Place and heading in the plane of dead reckoning.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
@@ -53,6 +95,17 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_slow_bumper_leaves_a_curve_outwards_and_a_fast_one_inwards() {
+        let body = Body { axle_to_bumper_m: 3.6, slip_rad_per_mps2: 0.0055 };
+        // On a circle of 100 m: 0.036 rad, less 0.0055 rad for each m/s² of v² / 100 m.
+        for (speed_mps, expected) in [(10.0, 0.0305), (20.0, 0.014), (30.0, -0.0135), (2.9, 0.0)] {
+            let motion = body.motion(speed_mps, Some(0.01 * speed_mps));
+            assert!((motion.slip_rad - expected).abs() < 1e-12, "{motion:?}");
+        }
+        assert_eq!(body.motion(20.0, None).slip_rad, 0.0);
+    }
 
     #[test]
     fn a_frame_sees_what_it_has_placed() {

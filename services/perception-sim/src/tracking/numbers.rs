@@ -46,8 +46,6 @@ parameters! {
         lane_change_s: f64 = 2.0, "s", 0.5..=10.0, "Chosen. At 1 and 4 nothing changes.";
         /// Standard deviation of the lateral speed of a new vehicle.
         first_lateral_mps: f64 = 1.0, "m/s", 0.2..=3.0, "Chosen. At 0.5 and 2 nothing changes.";
-        /// Standard deviations of its prediction to which a lateral position is limited.
-        lateral_limit_sigma: f64 = 3.0, "σ", 2.0..=6.0, "Chosen. At 2 and 6 nothing changes.";
 
         // Bodies.
 
@@ -69,21 +67,15 @@ parameters! {
         rear_sigma_mps: f64 = 0.02, "m/s", 0.0..=0.2, "Chosen. At 0.01 and 0.04 nothing changes.";
         /// Standard deviation of an echo from the side.
         side_sigma_m: f64 = 0.2, "m", 0.05..=1.0, "Chosen. At 0.1 and 0.4 nothing changes.";
-        /// Half of a rear that may show no echo before the rest counts as hidden.
-        small_slack_m: f64 = 0.25, "m", 0.05..=0.9, "Chosen. At 0.125 and 0.5 nothing changes.";
         /// Share of a uniform distribution's variance in unresolved echoes between the sides: the middle is strong.
         middle_share: f64 = 0.4, "1", 0.1..=1.0, "Chosen. At 0.2 cut-in delay -0.04 s, time with a false target +29 %; at 0.8 cut-in delay +0.03 s.";
         /// Margin to the edge of the field of view within which a vehicle is cut off.
         edge_rad: f64 = 0.05, "rad", 0.0..=0.2, "Chosen. At 0.025 and 0.1 nothing changes.";
         /// Scans in a row that contradict a track before it begins anew.
         misfits: u32 = 3, "scans", 1.0..=20.0, "Chosen. At 2 and 6 nothing changes.";
-        /// Share of the expected hits from which a track is surely a vehicle.
-        firm_share: f64 = 0.5, "1", 0.1..=1.0, "Chosen. At 0.25 and 1 nothing changes.";
 
         // Assignment of detections to tracks.
 
-        /// Gate of the position.
-        position_gate: f64 = 3.0, "σ", 2.0..=6.0, "Chosen. At 2 and 6 nothing changes.";
         /// Standard deviations within which two quantities surely agree.
         surely_sigma: f64 = 3.0, "σ", 2.0..=6.0, "Chosen. At 2 GOSPA -1 %, cut-in delay +0.03 s; at 6 GOSPA +2 %, cut-in delay -0.05 s.";
         /// Standard deviations within which two lateral positions probably agree.
@@ -98,12 +90,10 @@ parameters! {
         side_shown_m: f64 = 1.8, "m", 1.0..=3.5, "Chosen. At 1 no change; at 3.5 GOSPA +25 %, time with a false target +129 %.";
         /// Distance from the line of a side within which an echo is on it.
         side_line_m: f64 = 0.4, "m", 0.1..=1.5, "Chosen. At 0.2 no change; at 0.8 GOSPA -1 %.";
-        /// Squared distance that is added for a track that is not confirmed.
+
+        /// Squared distance that is added for a track that is not confirmed: the middle of two vehicles takes no echo
+        /// from one that is.
         tentative_penalty: f64 = 4.0, "σ²", 0.0..=20.0, "Chosen. At 2 and 8 nothing changes.";
-        /// Distance along the road within which a track covers an echo, so that no other begins with it.
-        covers_along_m: f64 = 1.0, "m", 0.0..=5.0, "Chosen. At 0.5 and 2 nothing changes.";
-        /// The same across the lanes.
-        covers_across_m: f64 = 0.5, "m", 0.0..=2.0, "Chosen. At 0.25 and 1 nothing changes.";
 
         // New tracks.
 
@@ -117,10 +107,6 @@ parameters! {
         cluster_width_m: f64 = 2.0, "m", 0.5..=3.5, "Chosen. At 1 GOSPA +2 %; at 3.5 no change.";
         /// Greatest difference between their speeds.
         cluster_rate_mps: f64 = 1.0, "m/s", 0.2..=4.0, "Chosen. At 0.5 and 2 nothing changes.";
-        /// Greatest distance between neighbouring places on the side of a long vehicle.
-        chain_length_m: f64 = 8.0, "m", 2.0..=15.0, "Chosen. At 4 and 15 nothing changes.";
-        /// Greatest distance of such a place from the side's line.
-        chain_width_m: f64 = 0.5, "m", 0.1..=1.5, "Chosen. At 0.25 and 1 nothing changes.";
 
         // One vehicle with two tracks.
 
@@ -203,12 +189,10 @@ parameters! {
         post_again: f64 = 0.9, "1", 0.5..=1.0, "Measured over the built-in scenarios without dropout. At 0.5 error of the seen share +388 %; at 1 error of the seen share +18 %.";
         /// Probability that a tracked vehicle within reach is seen again.
         track_again: f64 = 0.95, "1", 0.5..=1.0, "Measured over the built-in scenarios without dropout. At 0.5 error of the seen share +259 %; at 1 error of the seen share -14 %.";
-        /// Distance up to which vehicles are counted: farther echoes are weak.
-        track_reach_m: f64 = 80.0, "m", 30.0..=150.0, "Chosen. At 40 error of the seen share +6 %; at 150 no change.";
+        /// Distance up to which vehicles and posts are counted: farther echoes are weak.
+        reach_m: f64 = 80.0, "m", 30.0..=150.0, "Chosen. At 40 error of the seen share +6 %; at 150 no change.";
         /// Distance of posts from the ego's axis: the next lane is nearer.
         posts_from_m: f64 = 5.0, "m", 3.0..=8.0, "Chosen. At 3 and 8 nothing changes.";
-        /// Distance ahead up to which posts are counted.
-        posts_to_m: f64 = 80.0, "m", 30.0..=150.0, "Chosen. At 40 error of the seen share +13 %; at 150 no change.";
         /// Distance along the road between a post and the place where it is expected.
         post_along_m: f64 = 1.0, "m", 0.3..=4.0, "Chosen. At 0.5 and 2 nothing changes.";
         /// The same across the lanes.

@@ -20,6 +20,7 @@ use scenario::event::VEHICLE_WIDTH_M;
 
 use super::numbers::Numbers;
 
+/// Limits of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct PathLimits {
     enter_m: f64,
@@ -34,7 +35,9 @@ pub struct PathLimits {
 pub struct Across {
     /// Lateral position of its centre, m, left positive.
     pub lateral_m: f64,
+    /// Lateral speed, m/s.
     pub speed_mps: f64,
+    /// Standard deviation of the lateral speed, m/s.
     pub speed_sigma_mps: f64,
     /// Probability that it is in the ego's way, where that is doubtful.
     pub in_way: Option<f64>,
@@ -109,7 +112,7 @@ fn enter_at(braking_mps2: f64) -> f64 {
 
 impl Approach {
     /// Constant braking that keeps the ego behind the track at its present speed, m/s².
-    fn braking_mps2(&self) -> f64 {
+    pub(super) fn braking_mps2(&self) -> f64 {
         let closing_mps = (-self.relative_speed_mps).max(0.0);
         closing_mps * closing_mps / (2.0 * self.gap_m.max(1.0))
     }
@@ -149,13 +152,6 @@ impl PathLimits {
             predict_s: if exact { 0.0 } else { selection.predict_s.value() },
             numbers: *numbers,
         }
-    }
-
-    /// Membership of a track that was there before the run began: it is confirmed.
-    pub fn long_known(&self, lateral_m: f64) -> Membership {
-        let in_path = lateral_m.abs() <= self.enter_m;
-        let within_s = if in_path { self.confirm_s } else { 0.0 };
-        Membership { in_path, within_s, ..Membership::default() }
     }
 
     /// Takes note of the track's lateral motion, `dt_s` after the time before.
@@ -232,6 +228,7 @@ impl Membership {
         1.0 / (1.0 + libm::exp(-log_odds))
     }
 
+    /// The track is in the ego's path.
     pub fn in_path(&self) -> bool {
         self.in_path
     }

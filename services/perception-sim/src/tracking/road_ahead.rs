@@ -1,20 +1,19 @@
-//! The road ahead by a scan: the slip angle, and the course.
+//! The road ahead by a scan.
 //!
 //! The course is that of a belief ([`super::belief`]). Without any source it is straight.
 
 use messages::{Detection, MAX_DETECTIONS};
 
-use super::association::{Point, Reading};
+use super::association::Point;
 use super::belief::Belief;
 use super::belief::landmarks::Echo;
 use super::birth;
 use super::course::Course;
 use super::motion::Motion;
 use super::numbers::Numbers;
-use super::slip::Slip;
 use super::sources::{MapAhead, Sources};
 use crate::radar::echo::Antenna;
-use crate::radar::receiver::Receiver;
+use crate::radar::receiver::{Receiver, snr_of};
 
 /// Probability of being in the way below which nothing that stands begins a track.
 const UNLIKELY: f64 = 0.1;
@@ -48,10 +47,7 @@ impl Radar {
 pub struct RoadAhead {
     /// `None` without any source: straight on.
     belief: Option<Box<Belief>>,
-    slip: Slip,
-    /// Standing objects: cosine and sine of the azimuth, and range rate, m/s.
-    rates: Vec<(f64, f64, f64)>,
-    /// Their echoes.
+    /// Echoes of standing objects.
     echoes: Vec<Echo>,
 }
 
@@ -60,15 +56,8 @@ impl RoadAhead {
     pub fn new(sources: Sources) -> Self {
         Self {
             belief: (sources != Sources::default()).then(|| Box::new(Belief::new(sources))),
-            slip: Slip::default(),
-            rates: Vec::with_capacity(MAX_DETECTIONS),
             echoes: Vec::with_capacity(MAX_DETECTIONS),
         }
-    }
-
-    /// The ego's motion as it is known.
-    pub fn motion(&self, speed_mps: f64, yaw_rate_radps: Option<f64>) -> Motion {
-        Motion { speed_mps, yaw_rate_radps, slip_rad: self.slip.slip_rad() }
     }
 
     /// Moves the course on to this scan and corrects it. Returns it as it was before the correction. Allocates nothing.
@@ -77,54 +66,29 @@ impl RoadAhead {
         dt_s: f64,
         motion: &Motion,
         map: Option<&MapAhead>,
-        (detections, readings): (&[Detection], &[Reading]),
+        detections: &[Detection],
         (radar, numbers): (&Radar, &Numbers),
     ) -> Course {
-        self.advance(dt_s, motion);
-        let before = *self.course();
-        self.rates.clear();
+        let Some(belief) = &mut self.belief else { return Course::STRAIGHT };
+        belief.advance(dt_s, motion);
+        let before = *belief.course();
         self.echoes.clear();
-        for (index, (detection, reading)) in detections.iter().zip(readings).enumerate() {
-            let read = (detection, reading);
-            let point = Point::new(index, read, motion, &radar.receiver, &before);
+        for (index, detection) in detections.iter().enumerate() {
+            let point = Point::new(index, detection, motion, &radar.receiver, &before);
             if birth::moves(&point, numbers) {
                 continue;
             }
+            let (sine, cosine) = libm::sincos(detection.azimuth_rad);
             self.echoes.push(Echo {
-                x_m: reading.ahead_m,
-                y_m: reading.left_m,
+                x_m: detection.range_m * cosine,
+                y_m: detection.range_m * sine,
                 sigma_m: point.lateral_variance.sqrt(),
-                area_m2: radar.area_m2(detection, reading.snr),
+                area_m2: radar.area_m2(detection, snr_of(detection)),
                 least_m2: radar.area_m2(detection, radar.receiver.threshold),
             });
-            if point.y_m.abs() >= numbers.off_lane_m {
-                self.rates.push((reading.cosine, reading.sine, detection.range_rate_mps));
-            }
         }
-        self.slip.take_scan(dt_s, motion.speed_mps, &self.rates);
-        let motion = Motion { slip_rad: self.slip.slip_rad(), ..*motion };
-        self.take(&motion, map);
+        belief.take(motion, map, &self.echoes);
         before
-    }
-
-    /// The same without detections: by the ego's motion, the map and the trails.
-    pub fn find_blind(&mut self, dt_s: f64, motion: &Motion, map: Option<&MapAhead>) -> Course {
-        self.advance(dt_s, motion);
-        let before = *self.course();
-        self.take(motion, map);
-        before
-    }
-
-    fn advance(&mut self, dt_s: f64, motion: &Motion) {
-        if let Some(belief) = &mut self.belief {
-            belief.advance(dt_s, motion);
-        }
-    }
-
-    fn take(&mut self, motion: &Motion, map: Option<&MapAhead>) {
-        if let Some(belief) = &mut self.belief {
-            belief.take(motion, map, &self.echoes);
-        }
     }
 
     /// A vehicle is at a place of the course, and moves across it with this speed.
@@ -174,16 +138,30 @@ impl RoadAhead {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::radar::detections::DetectionRadar;
 
     const TRAILS: Sources = Sources { yaw_rate: true, standing: false, trails: true, map: false };
+
+    /// A scan without a detection after 50 ms; returns the course before it.
+    fn find_blind(ahead: &mut RoadAhead, motion: &Motion) -> Course {
+        let text = "schema_version = 1\nname = \"by-hand\"\nduration_s = 10\n";
+        let scenario = scenario::Scenario::parse("by-hand", text).expect("a scenario");
+        let receiver = *DetectionRadar::new(&scenario).receiver();
+        let radar = Radar::new(&scenario.perception.radar, &receiver);
+        ahead.find(0.05, motion, None, &[], (&radar, &Numbers::DEFAULT))
+    }
+
+    fn motion(yaw_rate_radps: f64) -> Motion {
+        Motion { speed_mps: 20.0, yaw_rate_radps: Some(yaw_rate_radps), slip_rad: 0.0 }
+    }
 
     #[test]
     fn what_it_says_is_what_the_belief_says() {
         let mut ahead = RoadAhead::new(TRAILS);
-        let motion = ahead.motion(20.0, Some(0.02));
+        let motion = motion(0.02);
         for _ in 0..60 {
             let before = *ahead.course();
-            assert_ne!(ahead.find_blind(0.05, &motion, None), before, "the ego has moved");
+            assert_ne!(find_blind(&mut ahead, &motion), before, "the ego has moved");
             ahead.leave_trail(7, (60.0, 0.0), 0.0);
         }
         let belief = ahead.belief().expect("it looks ahead");
@@ -201,7 +179,7 @@ mod tests {
         let mut ahead = RoadAhead::new(Sources { yaw_rate: true, ..Sources::default() });
         let motion = Motion { speed_mps: 20.0, yaw_rate_radps: Some(0.1), slip_rad: 0.01 };
         (0..100).for_each(|_| {
-            ahead.find_blind(0.05, &motion, None);
+            find_blind(&mut ahead, &motion);
         });
         assert!((ahead.course().curvature_perm(50.0) - 0.005).abs() < 1e-6);
         assert_eq!(ahead.course().heading_rad(), 0.01);
@@ -217,9 +195,9 @@ mod tests {
         assert!(aside(2.1) && !aside(-1.9) && straight.course().is_straight());
         assert!(straight.sigma_m(50.0) == 0.0 && straight.belief().is_none());
         let mut doubtful = RoadAhead::new(TRAILS);
-        let motion = doubtful.motion(20.0, Some(0.0));
+        let motion = motion(0.0);
         (0..20).for_each(|_| {
-            doubtful.find_blind(0.05, &motion, None);
+            find_blind(&mut doubtful, &motion);
         });
         assert!(!doubtful.is_aside((100.0, 2.1), 0.2, numbers), "the road may turn there");
         assert!(doubtful.is_aside((15.0, 8.0), 0.2, numbers));

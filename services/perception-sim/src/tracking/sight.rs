@@ -90,7 +90,7 @@ impl Sight {
             numbers: *numbers,
             share: Share::new(numbers),
             posts: Vec::with_capacity(MAX_POSTS),
-            promised_per_scan: 2e-3 * posts_per_km * numbers.posts_to_m,
+            promised_per_scan: 2e-3 * posts_per_km * numbers.reach_m,
             strong_db: threshold_db + numbers.strong_db,
             unseen_s: 0.0,
             promised: 0.0,
@@ -139,7 +139,7 @@ impl Sight {
         }
         self.posts.clear();
         let mut any = false;
-        for point in points.iter().filter(stands).filter(|point| point.x_m < numbers.posts_to_m) {
+        for point in points.iter().filter(stands).filter(|point| point.x_m < numbers.reach_m) {
             any = true;
             let is_strong = detections[point.detection].snr_db > self.strong_db;
             if is_strong && self.posts.len() < MAX_POSTS {

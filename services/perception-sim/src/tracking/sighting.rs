@@ -96,25 +96,6 @@ impl Sighting {
             self.lateral_variance / f64::from(self.rear_count) + square(numbers.side_sigma_m);
         Measured { value: inner_m + 0.5 * width_m * side, variance }
     }
-
-    /// As [`Self::lateral`], of a rear that the receiver resolves. Its sides show if nothing hides
-    /// them. So an echo from part of it agrees with every centre that has it on the rear. `None`
-    /// when it agrees with the one that is expected.
-    pub(super) fn lateral_of_part(
-        &self,
-        width_m: f64,
-        expected_m: f64,
-        numbers: &Numbers,
-    ) -> Option<Measured> {
-        let whole = self.lateral(width_m, numbers);
-        let slack_m = 0.5 * self.hidden_m(width_m);
-        if slack_m < numbers.small_slack_m {
-            return Some(whole);
-        }
-        let off_m = whole.value - expected_m;
-        let value = expected_m + off_m - off_m.clamp(-slack_m, slack_m);
-        (value != expected_m).then_some(Measured { value, ..whole })
-    }
 }
 
 fn square(value: f64) -> f64 {
@@ -196,21 +177,5 @@ mod tests {
         let variance = 0.04 + 0.2 * 0.2;
         assert_measured(seen().lateral_by_side(1.8, 1.0, &NUMBERS), 2.9, variance);
         assert_measured(seen().lateral_by_side(1.8, -1.0, &NUMBERS), 2.3, variance);
-    }
-
-    #[test]
-    fn a_part_agrees_with_every_middle_that_has_it_on_the_rear() {
-        // Half of the hidden 0.6 m to either side.
-        for (expected_m, value_m) in [(2.5, None), (2.85, None), (3.0, Some(2.9)), (2.0, Some(2.3))]
-        {
-            let found = seen().lateral_of_part(1.8, expected_m, &NUMBERS);
-            assert_eq!(found.is_some(), value_m.is_some(), "{expected_m}");
-            if let Some((found, value_m)) = found.zip(value_m) {
-                assert!((found.value - value_m).abs() < 1e-12, "{found:?}");
-            }
-        }
-        // The hidden part is small: the middle stays.
-        let found = seen().lateral_of_part(1.6, 2.0, &NUMBERS).expect("it is measured");
-        assert!((found.value - 2.6).abs() < 1e-12, "{found:?}");
     }
 }

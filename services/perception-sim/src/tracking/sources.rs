@@ -3,7 +3,7 @@
 /// Sources of the course that are in use; without any the path is straight ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sources {
-    /// Yaw rate and slip angle of the ego.
+    /// Yaw rate of the ego, and the slip angle that follows from it.
     pub yaw_rate: bool,
     /// Standing objects beside the road.
     pub standing: bool,

@@ -5,7 +5,6 @@ use super::association::Outline;
 use super::course::Course;
 use super::lateral;
 use super::longitudinal::{Filter, Measured, Model, Step};
-use super::lost::Lost;
 use super::numbers::Numbers;
 use super::path::{Across, Approach, Membership};
 use super::sighting::Sighting;
@@ -43,8 +42,6 @@ pub struct DetectedTrack {
     /// Scans since its beginning, at most [`REMEMBERED`].
     age: u32,
     misfits: u32,
-    /// Its hits show that it is a vehicle.
-    is_firm: bool,
     /// Its motion since it was lost in the path.
     lost: Option<Lost>,
 }
@@ -111,7 +108,6 @@ impl DetectedTrack {
             history: 1,
             age: 1,
             misfits: 0,
-            is_firm: false,
             lost: None,
         }
     }
@@ -139,31 +135,14 @@ impl DetectedTrack {
         self.observe_motion(sighting.ground_mps.abs(), numbers);
         self.history |= 1;
         self.nearest = sighting.nearest;
-        let estimate = self.along.estimate();
-        let range = sighting.range(numbers);
-        let range_rate = sighting.relative_speed(numbers);
-        let ahead_m = range.value - estimate.gap_m;
-        let (rear_x_m, rear_y_m) = course.place(estimate.gap_m, self.across.position_m());
-        let rear_azimuth = libm::atan2(rear_y_m.abs(), rear_x_m);
-        let rear_in_view = rear_azimuth < view.half_rad - view.edge_rad;
-        let sigma_m = (range.variance + estimate.covariance[0][0]).sqrt();
-        let depth_m = numbers.rear_depth_m + numbers.surely_sigma * sigma_m;
-        if ahead_m > depth_m && ahead_m < self.length_m + 1.0 {
-            // The side is seen, not the rear: it measures the speed alone.
-            self.along.see_range_rate(model, range_rate);
-            let side = self.aspect_m(course).signum();
-            self.across.update(sighting.lateral_by_side(self.width_m, side, numbers), numbers);
-            self.misfits += u32::from(rear_in_view);
-        } else {
-            let fits = self.along.update(model, range, range_rate);
-            self.misfits = if fits { 0 } else { self.misfits + 1 };
-            let cell_m = range.value * view.resolution_rad;
-            self.abreast.observe(seen, self.across.position(), cell_m, numbers);
-            if let Some(lateral) = self.lateral(sighting, range.value, (view, course), numbers) {
-                self.across.update(lateral, numbers);
-            }
-            self.extend(sighting, range.value, numbers);
-        }
+        let (range, range_rate) = (sighting.range(numbers), sighting.relative_speed(numbers));
+        let fits = self.along.update(model, range, range_rate);
+        self.misfits = if fits { 0 } else { self.misfits + 1 };
+        let cell_m = range.value * view.resolution_rad;
+        self.abreast.observe(seen, self.across.position(), cell_m, numbers);
+        let lateral = self.lateral(sighting, range.value, (view, course), numbers);
+        self.across.update(lateral, numbers);
+        self.extend(sighting, range.value, numbers);
         if self.misfits >= numbers.misfits {
             self.along = model.start(range, range_rate);
             self.misfits = 0;
@@ -198,18 +177,15 @@ impl DetectedTrack {
         rear_m: f64,
         (view, course): (&FieldOfView, &Course),
         numbers: &Numbers,
-    ) -> Option<Measured> {
+    ) -> Measured {
         let lateral_m = self.across.position_m();
         let (x_m, y_m) = course.place(rear_m, lateral_m);
         let outer_rad = libm::atan2(y_m.abs() + 0.5 * self.width_m, x_m);
         if outer_rad > view.half_rad - view.edge_rad {
             // The edge of the field of view cuts off the side that is farther out.
-            return Some(sighting.lateral_by_side(self.width_m, y_m.signum(), numbers));
+            return sighting.lateral_by_side(self.width_m, y_m.signum(), numbers);
         }
-        if rear_m * view.resolution_rad < 0.5 * self.width_m {
-            return sighting.lateral_of_part(self.width_m, lateral_m, numbers);
-        }
-        Some(sighting.lateral(self.width_m, numbers))
+        sighting.lateral(self.width_m, numbers)
     }
 
     /// Takes over the motion of a younger track of the same vehicle. That one must be nearer to the rear, or be seen
@@ -286,6 +262,7 @@ impl DetectedTrack {
     }
 
     pub fn across(&self) -> Across {
+        let estimate = self.along.estimate();
         Across {
             lateral_m: self.across.position_m(),
             speed_mps: self.across.speed_mps(),
@@ -293,8 +270,8 @@ impl DetectedTrack {
             in_way: None,
             drives: false,
             approach: Approach {
-                gap_m: self.along.estimate().gap_m,
-                relative_speed_mps: self.along.estimate().relative_speed_mps,
+                gap_m: estimate.gap_m,
+                relative_speed_mps: estimate.relative_speed_mps,
                 length_m: self.length_m,
             },
         }
@@ -304,16 +281,14 @@ impl DetectedTrack {
         self.history & 1 == 1
     }
 
-    /// Carries its motion on while it is not seen in the ego's path, `dt_s` after the scan before. `seen_share` of its
-    /// scans show a vehicle.
-    pub fn watch(&mut self, dt_s: f64, ego: &Ego, seen_share: f64, numbers: &Numbers) {
-        let firm_hits = numbers.firm_share * seen_share * f64::from(REMEMBERED);
-        self.is_firm |= self.age == REMEMBERED && f64::from(self.hits(REMEMBERED)) >= firm_hits;
-        if self.is_seen() || self.id == 0 || !self.is_firm || !self.membership.in_path() {
+    /// Carries its motion on while it is not seen in the ego's path, `dt_s` after the scan before.
+    pub fn watch(&mut self, dt_s: f64, ego: &Ego) {
+        if self.is_seen() || self.id == 0 || !self.membership.in_path() {
             self.lost = None;
         } else if let Some(lost) = &mut self.lost {
             lost.carry_on(dt_s, ego);
-        } else {
+        } else if self.age == REMEMBERED {
+            // A short one may be noise: nothing is to be carried on.
             let estimate = self.along.estimate();
             self.lost = Some(Lost {
                 gap_m: estimate.gap_m,
@@ -351,6 +326,35 @@ impl DetectedTrack {
         }
         let rarely = self.age == REMEMBERED && self.hits(REMEMBERED) < 2 * life.hits;
         self.unseen_s > life.coast_s + 1e-9 || rarely
+    }
+}
+
+/// The motion of a vehicle in the ego's path that is not seen any more.
+///
+/// A filter loses an acceleration within seconds. Behind a lead that braked when it was lost, that would be a
+/// prediction on the unsafe side. So the last motion is carried on: it brakes on if it braked, and keeps its speed
+/// otherwise, until it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lost {
+    /// Bumper-to-bumper distance, m.
+    pub gap_m: f64,
+    pub speed_mps: f64,
+    /// Acceleration, m/s², at most 0.
+    pub acceleration_mps2: f64,
+}
+
+impl Lost {
+    /// Moves on by `dt_s` ahead of `ego`.
+    pub fn carry_on(&mut self, dt_s: f64, ego: &Ego) {
+        let braking = -self.acceleration_mps2;
+        let moving_s = if braking > 0.0 { (self.speed_mps / braking).min(dt_s) } else { dt_s };
+        let driven_m = self.speed_mps * moving_s - 0.5 * braking * moving_s * moving_s;
+        let stops = braking > 0.0 && moving_s < dt_s;
+        self.speed_mps = if stops { 0.0 } else { self.speed_mps - braking * moving_s };
+        if stops {
+            self.acceleration_mps2 = 0.0;
+        }
+        self.gap_m += driven_m - ego.speed_mps * dt_s;
     }
 }
 

@@ -11,26 +11,23 @@
 //! trails of the tracks correct the course first. A track keeps its place in the plane then. It is shifted by the
 //! correction at its distance, and gains no lateral speed.
 
-use std::array::from_fn;
-use std::ops::Range;
-
 use scenario::Scenario;
 use scenario::perception::RadarModel;
 
-use super::association::{Outline, Point, Reading, associate, part, spans};
+use super::association::{Outline, Point, associate, part};
 use super::birth;
 use super::entry::entry;
 use super::list::TrackList;
 use super::longitudinal::{Measured, Model};
-use super::lost::Lost;
 use super::mirror;
+use super::motion::{Body, Motion};
 use super::numbers::Numbers;
 use super::path::{Across, PathLimits};
 use super::road_ahead::{Radar, RoadAhead};
 use super::sight::Sight;
 use super::sighting::Sighting;
 use super::sources::{MapAhead, Sources};
-use super::track::{DetectedTrack, FieldOfView, Life};
+use super::track::{DetectedTrack, FieldOfView, Life, Lost};
 use super::unite::unite;
 use crate::radar::Scan;
 use crate::radar::receiver::Receiver;
@@ -49,12 +46,9 @@ pub struct Tracker {
     radar: Radar,
     view: FieldOfView,
     tracks: Vec<DetectedTrack>,
-    /// Readings of the scan's detections.
-    readings: Vec<Reading>,
+    body: Body,
     points: Vec<Point>,
     outlines: Vec<Outline>,
-    /// For each track the points from its first one to its last.
-    spans: [Range<usize>; MAX_KEPT],
     ahead: RoadAhead,
     sight: Sight,
     last_ns: Option<i64>,
@@ -87,10 +81,9 @@ impl Tracker {
                 edge_rad: numbers.edge_rad,
             },
             tracks: Vec::with_capacity(MAX_KEPT),
-            readings: Vec::with_capacity(messages::MAX_DETECTIONS),
+            body: Body::of(&scenario.plant),
             points: Vec::with_capacity(messages::MAX_DETECTIONS),
             outlines: Vec::with_capacity(MAX_KEPT),
-            spans: from_fn(|_| 0..0),
             ahead: RoadAhead::new(Sources::default()),
             sight: Sight::new(radar.threshold_db.value(), posts_per_km, numbers),
             last_ns: None,
@@ -117,16 +110,13 @@ impl Tracker {
         let dt_s = self.last_ns.map_or(0.0, |last| (time_ns - last) as f64 * 1e-9);
         self.last_ns = Some(time_ns);
         self.predict(dt_s, ego.acceleration_mps2);
-        self.readings.clear();
-        self.readings.extend(detections.iter().map(Reading::new));
+        let motion = self.body.motion(ego.speed_mps, yaw_rate_radps);
         if !self.ahead.course().is_straight() {
-            let motion = self.ahead.motion(ego.speed_mps, yaw_rate_radps);
-            let read = (detections, self.readings.as_slice());
             let known = (&self.radar, self.model.numbers());
-            let before = self.ahead.find(dt_s, &motion, map, read, known);
+            let before = self.ahead.find(dt_s, &motion, map, detections, known);
             self.tracks.iter_mut().for_each(|track| track.shift(&before, self.ahead.course()));
         }
-        self.read(scan, ego);
+        self.read(scan, &motion);
         self.sight.take_scan(
             dt_s,
             ego.speed_mps,
@@ -168,11 +158,11 @@ impl Tracker {
         }
     }
 
-    fn read(&mut self, scan: Scan, ego: &Ego) {
-        let (course, motion) = (self.ahead.course(), self.ahead.motion(ego.speed_mps, None));
+    fn read(&mut self, scan: Scan, motion: &Motion) {
+        let course = self.ahead.course();
         self.points.clear();
-        for (index, read) in scan.detections.iter().zip(&self.readings).enumerate() {
-            let point = Point::new(index, read, &motion, &self.radar.receiver, course);
+        for (index, detection) in scan.detections.iter().enumerate() {
+            let point = Point::new(index, detection, motion, &self.radar.receiver, course);
             let vehicle = scan.vehicles.get(index).copied();
             let half_width_m = vehicle.map_or(0.0, |_| 0.5 * self.model.numbers().first_width_m);
             self.points.push(Point { vehicle, half_width_m, ..point });
@@ -189,9 +179,8 @@ impl Tracker {
         self.outlines.extend(outlines);
         let numbers = self.model.numbers();
         associate(&mut self.points, &self.outlines, self.gate, numbers);
-        self.spans = spans(&self.points);
         for outline in &self.outlines {
-            part(&mut self.points[self.spans[outline.place].clone()], outline, numbers);
+            part(&mut self.points, outline, numbers);
         }
     }
 
@@ -199,8 +188,7 @@ impl Tracker {
         let numbers = self.model.numbers();
         let mut seen = [None; MAX_KEPT];
         for (place, track) in self.tracks.iter_mut().enumerate() {
-            let near = self.points[self.spans[place].clone()].iter();
-            let own = near.filter(|point| point.owner == Some(place));
+            let own = self.points.iter().filter(|point| point.owner == Some(place));
             let Some(sighting) = Sighting::of(own, track.across.speed_mps(), numbers) else {
                 continue;
             };
@@ -214,12 +202,12 @@ impl Tracker {
         let numbers = self.model.numbers();
         let mut places = [(0.0, 0.0); MAX_KEPT];
         for (place, track) in places.iter_mut().zip(&self.tracks) {
-            let (gap_m, lateral_m) = (track.along.estimate().gap_m, track.across.position_m());
+            let (gap_m, lateral_m) = track.place();
             *place = self.ahead.course().place(gap_m, lateral_m);
         }
         for (index, track) in self.tracks.iter().enumerate().filter(|(_, track)| track.id != 0) {
             let (gap_m, lateral_m) = places[index];
-            let is_near = gap_m < numbers.track_reach_m && self.view.surely_shows(gap_m, lateral_m);
+            let is_near = gap_m < numbers.reach_m && self.view.surely_shows(gap_m, lateral_m);
             // A vehicle that another one hides, or that has merged with one, is not expected.
             let to_m = gap_m + numbers.hides_behind_m;
             let mut others = places.iter().zip(&self.tracks);
@@ -279,14 +267,13 @@ impl Tracker {
 
     fn begin(&mut self) {
         let tracks = &mut self.tracks;
-        self.outlines.retain(|outline| tracks[outline.place].is_seen());
         let model = &self.model;
         let numbers = model.numbers();
         let ahead = &self.ahead;
         let aside = |point: &Point| {
             ahead.is_aside((point.x_m, point.y_m), point.lateral_variance.sqrt(), numbers)
         };
-        birth::find(&mut self.points, &self.outlines, aside, numbers, |sighting, moves| {
+        birth::find(&mut self.points, aside, numbers, |sighting, moves| {
             if tracks.len() < MAX_KEPT {
                 tracks.push(DetectedTrack::begin(model, sighting, moves));
             }
@@ -312,12 +299,12 @@ impl Tracker {
 
     /// Carries on what is lost in the path, until it is found again: a track there that is seen.
     fn lose(&mut self, dt_s: f64, ego: &Ego) {
-        let (seen_share, numbers) = (self.sight.share(), self.model.numbers());
+        let numbers = self.model.numbers();
         let found_m = (self.tracks.iter())
             .filter(|track| track.id != 0 && track.is_seen() && track.membership.in_path())
             .map(|track| track.along.estimate().gap_m)
             .fold(f64::INFINITY, f64::min);
-        self.tracks.iter_mut().for_each(|track| track.watch(dt_s, ego, seen_share, numbers));
+        self.tracks.iter_mut().for_each(|track| track.watch(dt_s, ego));
         self.tracks.retain(|track| {
             let reach_m = |lost: &Lost| lost.gap_m + numbers.found_m;
             let is_found = track.lost(numbers).is_some_and(|lost| found_m < reach_m(lost));
@@ -335,14 +322,13 @@ impl Tracker {
         self.tracks.retain(|track| !track.is_over(life, numbers) && !is_roadside(track));
         for place in 0..self.tracks.len() {
             let track = &self.tracks[place];
+            let mut across = track.across();
             // The centroid of several vehicles is not a vehicle. But a track that may be one vehicle has to count
             // before only hard braking helps.
-            let is_urgent = track.along.estimate().braking_mps2() > numbers.comfortable_mps2;
-            let mut across = if track.abreast.is_one() || is_urgent {
-                track.across()
-            } else {
-                Across::resting(self.nearest_of_several_m(track).unwrap_or(f64::INFINITY))
-            };
+            let is_urgent = across.approach.braking_mps2() > numbers.comfortable_mps2;
+            if !track.abreast.is_one() && !is_urgent {
+                across = Across::resting(self.nearest_of_several_m(track).unwrap_or(f64::INFINITY));
+            }
             let track = &mut self.tracks[place];
             if track.id == 0 && track.deserves_confirmation(life) {
                 track.id = self.next_id;

@@ -7,8 +7,6 @@ use super::*;
 use crate::radar::detections::DetectionRadar;
 use crate::radar::receiver::Accuracy;
 
-const NUMBERS: Numbers = Numbers::DEFAULT;
-
 /// A receiver whose range has a deviation of 0.1 m, its range rate 0.2 m/s and its azimuth 0.01 rad.
 fn receiver() -> Receiver {
     let text = "schema_version = 1\nname = \"by-hand\"\nduration_s = 10\n";
@@ -32,8 +30,7 @@ fn seen_at(x_m: f64, y_m: f64, range_rate_mps: f64, slip_rad: f64, course: &Cour
         ..Detection::zeroed()
     };
     let motion = Motion { speed_mps: 20.0, yaw_rate_radps: None, slip_rad };
-    let reading = Reading::new(&detection);
-    Point::new(7, (&detection, &reading), &motion, &receiver(), course)
+    Point::new(7, &detection, &motion, &receiver(), course)
 }
 
 #[track_caller]
@@ -80,30 +77,6 @@ fn a_point_on_a_curve_moves_as_it_would_on_the_straight_road() {
 }
 
 #[test]
-fn an_outline_covers_what_is_close_to_it_in_three_deviations() {
-    let outline = Outline {
-        place: 0,
-        vehicle: None,
-        confirmed: true,
-        rear_m: 40.0,
-        lateral_m: 1.0,
-        aspect_m: 1.0,
-        length_m: 4.5,
-        half_width_m: 0.9,
-        relative_speed_mps: 0.0,
-        lateral_speed_mps: 0.0,
-        variances: [0.15, 0.05, 0.05, 0.1],
-    };
-    let covers = |x_m: f64, y_m: f64| outline.covers(&point(x_m, y_m, -9.0), &NUMBERS);
-    // Along 1 m and three times 0.4 m; across 0.5 m and three times 0.3 m, beside 0.9 m of body.
-    assert!(covers(37.81, 1.0) && !covers(37.79, 1.0));
-    // Behind the length of 4.5 m are 2.5 m of late echoes.
-    assert!(covers(49.19, 1.0) && !covers(49.21, 1.0));
-    assert!(covers(40.0, 3.29) && !covers(40.0, 3.31));
-    assert!(covers(40.0, -1.29) && !covers(40.0, -1.31));
-}
-
-#[test]
 fn points_farther_apart_than_a_vehicle_is_wide_are_parted() {
     let outline_at = |lateral_m: f64| Outline {
         lateral_m,
@@ -121,7 +94,7 @@ fn points_farther_apart_than_a_vehicle_is_wide_are_parted() {
     let owners = |apart_m: f64, lateral_m: f64| {
         let mut points = [point(40.0, 1.0, 0.0), point(40.0, 1.0 + apart_m, 0.0)];
         points.iter_mut().for_each(|point| point.owner = Some(3));
-        part(&mut points, &outline_at(lateral_m), &NUMBERS);
+        part(&mut points, &outline_at(lateral_m), &Numbers::DEFAULT);
         points.map(|point| point.owner.is_some())
     };
     // 2.6 m and three deviations of the difference of two that have 0.2 m each.
@@ -133,6 +106,6 @@ fn points_farther_apart_than_a_vehicle_is_wide_are_parted() {
     // Points of another track stay with it.
     let mut other = [point(40.0, -9.0, 0.0), point(40.0, 9.0, 0.0)];
     other.iter_mut().for_each(|point| point.owner = Some(4));
-    part(&mut other, &outline_at(0.0), &NUMBERS);
+    part(&mut other, &outline_at(0.0), &Numbers::DEFAULT);
     assert_eq!(other.map(|point| point.owner), [Some(4); 2]);
 }

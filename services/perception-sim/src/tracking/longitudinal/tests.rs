@@ -82,19 +82,6 @@ fn a_constant_target_is_found() {
 }
 
 #[test]
-fn the_braking_behind_a_vehicle_uses_up_the_gap() {
-    let at = |gap_m: f64, relative_speed_mps: f64| {
-        let covariance = [[0.0; 3]; 3];
-        Estimate { gap_m, relative_speed_mps, acceleration_mps2: 0.0, covariance }.braking_mps2()
-    };
-    // 10 m/s are gone over 50 m with 1 m/s².
-    assert_eq!(at(50.0, -10.0), 1.0);
-    assert_eq!(at(25.0, -10.0), 2.0);
-    assert_eq!(at(0.5, -10.0), 50.0, "a gap counts as a metre at least");
-    assert_eq!(at(50.0, 10.0), 0.0);
-}
-
-#[test]
 fn the_egos_own_acceleration_is_not_taken_for_the_leads() {
     let model = model();
     let step = model.step(0.05, -2.0);
@@ -282,17 +269,4 @@ fn the_models_change_within_their_sojourns() {
     for (kept, tau_s) in step.kept.into_iter().zip([2.5, 1.5]) {
         assert_near(kept, libm::exp(-0.1 / tau_s));
     }
-}
-
-/// Both models begin with the same variances of gap and speed, so that both are corrected alike.
-#[test]
-fn the_side_of_a_vehicle_measures_its_speed_alone() {
-    let model = model();
-    let mut filter = start(&model, 50.0, -3.0);
-    filter.see_range_rate(&model, Measured::new(-2.8, 0.15));
-    let after = filter.estimate();
-    assert_near(after.relative_speed_mps, -2.9);
-    assert_near(after.gap_m, 50.0);
-    assert_near(after.covariance[0][0], 0.16);
-    assert_near(filter.range_rate_variance(), 0.5 * 0.0225);
 }

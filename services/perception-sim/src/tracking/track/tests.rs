@@ -121,9 +121,9 @@ fn a_scan_moves_a_track_on_and_ages_it() {
 }
 
 /// Lost part of a firm track at 20 m/s, after a scan.
-fn lost_of(track: &mut DetectedTrack, seen_share: f64) -> Option<Lost> {
+fn lost_of(track: &mut DetectedTrack) -> Option<Lost> {
     let ego = Ego { speed_mps: 20.0, ..Ego::default() };
-    track.watch(0.05, &ego, seen_share, &NUMBERS);
+    track.watch(0.05, &ego);
     track.lost
 }
 
@@ -132,31 +132,28 @@ fn a_firm_track_that_is_unseen_in_the_path_is_lost_and_goes_on() {
     let unseen = |track: DetectedTrack| DetectedTrack { history: track.history << 1, ..track };
     let mut track = unseen(firm(40.0, -3.0));
     let lost = Lost { gap_m: 40.0, speed_mps: 17.0, acceleration_mps2: 0.0 };
-    assert_eq!(lost_of(&mut track, 1.0), Some(lost));
-    let on = lost_of(&mut track, 1.0).expect("it is lost");
+    assert_eq!(lost_of(&mut track), Some(lost));
+    let on = lost_of(&mut track).expect("it is lost");
     assert_near(on.gap_m, 40.0 - 3.0 * 0.05);
     // It counts after more than two missed scans, and ends when it is seen.
     for (unseen_s, counts) in [(0.10, false), (0.12, false), (0.13, true)] {
         assert_eq!(DetectedTrack { unseen_s, ..track }.lost(&NUMBERS).is_some(), counts);
     }
     track.history |= 1;
-    assert_eq!(lost_of(&mut track, 1.0), None);
+    assert_eq!(lost_of(&mut track), None);
     // A vehicle that comes towards the ego stands.
-    assert_eq!(lost_of(&mut unseen(firm(40.0, -25.0)), 1.0).map(|lost| lost.speed_mps), Some(0.0));
+    assert_eq!(lost_of(&mut unseen(firm(40.0, -25.0))).map(|lost| lost.speed_mps), Some(0.0));
     let unnumbered = DetectedTrack { id: 0, ..firm(40.0, 0.0) };
-    assert_eq!(lost_of(&mut unseen(unnumbered), 1.0), None);
+    assert_eq!(lost_of(&mut unseen(unnumbered)), None);
     let aside = DetectedTrack { membership: Membership::default(), ..firm(40.0, 0.0) };
-    assert_eq!(lost_of(&mut unseen(aside), 1.0), None);
+    assert_eq!(lost_of(&mut unseen(aside)), None);
 }
 
 #[test]
-fn half_of_the_scans_that_show_a_vehicle_make_it_firm() {
-    let is_lost = |hits: u32, age: u32, seen_share: f64| {
-        let history = (u32::MAX >> (32 - hits)) << 1;
-        lost_of(&mut DetectedTrack { history, age, ..firm(40.0, 0.0) }, seen_share).is_some()
-    };
-    assert!(is_lost(16, 32, 1.0) && !is_lost(15, 32, 1.0) && !is_lost(16, 31, 1.0));
-    assert!(is_lost(8, 32, 0.5) && !is_lost(7, 32, 0.5));
+fn a_track_is_carried_on_from_its_32nd_scan_on() {
+    let is_lost =
+        |age: u32| lost_of(&mut DetectedTrack { history: 0b10, age, ..firm(40.0, 0.0) }).is_some();
+    assert!(is_lost(32) && !is_lost(31));
 }
 
 #[test]
@@ -170,7 +167,7 @@ fn a_braking_lead_that_is_lost_brakes_on_and_an_accelerating_one_does_not() {
         track.see(&model, &seen, &VIEW, &Course::STRAIGHT);
         let found_mps2 = track.along.estimate().acceleration_mps2;
         track.history <<= 1;
-        (found_mps2, lost_of(&mut track, 1.0).expect("it is lost").acceleration_mps2)
+        (found_mps2, lost_of(&mut track).expect("it is lost").acceleration_mps2)
     };
     let (found, lost) = of(-0.3);
     assert!(found < -0.01 && lost == found, "{found} {lost}");
@@ -246,4 +243,20 @@ fn the_older_track_takes_over_the_motion_that_is_nearer_to_the_rear() {
     missed.predict(&model, &step);
     both.take_over(&missed, &NUMBERS);
     assert_eq!((both.unseen_s, both.nearest, both.is_seen()), (0.05, 3, false));
+}
+
+#[test]
+fn it_keeps_its_speed_or_brakes_on() {
+    let ego = Ego { speed_mps: 15.0, ..Ego::default() };
+    let mut steady = Lost { gap_m: 40.0, speed_mps: 12.0, acceleration_mps2: 0.0 };
+    steady.carry_on(1.0, &ego);
+    assert_eq!(steady, Lost { gap_m: 37.0, ..steady });
+    assert_eq!(steady.speed_mps, 12.0);
+    let mut braking = Lost { gap_m: 40.0, speed_mps: 12.0, acceleration_mps2: -4.0 };
+    braking.carry_on(1.0, &ego);
+    assert_eq!((braking.gap_m, braking.speed_mps), (35.0, 8.0));
+    braking.carry_on(4.0, &ego);
+    assert_eq!((braking.gap_m, braking.speed_mps), (35.0 + 8.0 - 60.0, 0.0));
+    braking.carry_on(1.0, &ego);
+    assert_eq!((braking.gap_m, braking.acceleration_mps2), (-32.0, 0.0), "it stands");
 }
