@@ -45,20 +45,13 @@ pub struct Point {
 }
 
 impl Point {
-    /// The detection number `index` on a course.
-    pub fn new(
-        index: usize,
-        detection: &Detection,
-        ego: &Motion,
-        receiver: &Receiver,
-        course: &Course,
-    ) -> Self {
-        let ego_mps = ego.speed_mps;
+    /// The detection number `index` on a straight road.
+    pub fn new(index: usize, detection: &Detection, ego_mps: f64, receiver: &Receiver) -> Self {
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
         let snr = snr_of(detection);
         let cross_m = detection.range_m / cosine.max(0.1);
-        let straight = Self {
+        Self {
             x_m: ahead_m,
             y_m: left_m,
             direction: (cosine, sine),
@@ -72,11 +65,16 @@ impl Point {
             detection: index,
             vehicle: None,
             owner: None,
-        };
-        if course.is_straight() {
-            return straight;
         }
-        let there = course.locate(ahead_m, left_m);
+    }
+
+    /// The point of a straight road on a course.
+    pub fn on(self, course: &Course, detection: &Detection, ego: &Motion) -> Self {
+        if course.is_straight() {
+            return self;
+        }
+        let (ego_mps, (cosine, sine)) = (ego.speed_mps, self.direction);
+        let there = course.locate(self.x_m, self.y_m);
         let (along, across) = there.tangent;
         let direction = (cosine * along + sine * across, sine * along - cosine * across);
         let ground_mps = detection.range_rate_mps + ego_mps * (cosine + ego.slip_rad * sine);
@@ -89,7 +87,7 @@ impl Point {
             aspect_m: detection.range_m * direction.1,
             range_rate_mps: ground_mps / stretch - ego_mps * direction.0,
             ground_speed_mps: ground_mps,
-            ..straight
+            ..self
         }
     }
 

@@ -61,27 +61,26 @@ impl RoadAhead {
     }
 
     /// Moves the course on to this scan and corrects it. Returns it as it was before the correction. Allocates nothing.
+    /// The points are those of the detections on a straight road.
     pub fn find(
         &mut self,
         dt_s: f64,
         motion: &Motion,
         map: Option<&MapAhead>,
-        detections: &[Detection],
+        (detections, points): (&[Detection], &[Point]),
         (radar, numbers): (&Radar, &Numbers),
     ) -> Course {
         let Some(belief) = &mut self.belief else { return Course::STRAIGHT };
         belief.advance(dt_s, motion);
         let before = *belief.course();
         self.echoes.clear();
-        for (index, detection) in detections.iter().enumerate() {
-            let point = Point::new(index, detection, motion, &radar.receiver, &before);
-            if birth::moves(&point, numbers) {
+        for (detection, point) in detections.iter().zip(points) {
+            if birth::moves(&point.on(&before, detection, motion), numbers) {
                 continue;
             }
-            let (sine, cosine) = libm::sincos(detection.azimuth_rad);
             self.echoes.push(Echo {
-                x_m: detection.range_m * cosine,
-                y_m: detection.range_m * sine,
+                x_m: point.x_m,
+                y_m: point.y_m,
                 sigma_m: point.lateral_variance.sqrt(),
                 area_m2: radar.area_m2(detection, snr_of(detection)),
                 least_m2: radar.area_m2(detection, radar.receiver.threshold),
@@ -148,7 +147,7 @@ mod tests {
         let scenario = scenario::Scenario::parse("by-hand", text).expect("a scenario");
         let receiver = *DetectionRadar::new(&scenario).receiver();
         let radar = Radar::new(&scenario.perception.radar, &receiver);
-        ahead.find(0.05, motion, None, &[], (&radar, &Numbers::DEFAULT))
+        ahead.find(0.05, motion, None, (&[], &[]), (&radar, &Numbers::DEFAULT))
     }
 
     fn motion(yaw_rate_radps: f64) -> Motion {

@@ -20,7 +20,7 @@ use super::entry::entry;
 use super::list::TrackList;
 use super::longitudinal::{Measured, Model};
 use super::mirror;
-use super::motion::{Body, Motion};
+use super::motion::Body;
 use super::numbers::Numbers;
 use super::path::{Across, PathLimits};
 use super::road_ahead::{Radar, RoadAhead};
@@ -111,12 +111,15 @@ impl Tracker {
         self.last_ns = Some(time_ns);
         self.predict(dt_s, ego.acceleration_mps2);
         let motion = self.body.motion(ego.speed_mps, yaw_rate_radps);
+        self.read(scan, ego.speed_mps);
         if !self.ahead.course().is_straight() {
-            let known = (&self.radar, self.model.numbers());
-            let before = self.ahead.find(dt_s, &motion, map, detections, known);
-            self.tracks.iter_mut().for_each(|track| track.shift(&before, self.ahead.course()));
+            let (known, read) = ((&self.radar, self.model.numbers()), (detections, &*self.points));
+            let before = self.ahead.find(dt_s, &motion, map, read, known);
+            let course = self.ahead.course();
+            self.tracks.iter_mut().for_each(|track| track.shift(&before, course));
+            let points = self.points.iter_mut().zip(detections);
+            points.for_each(|(point, detection)| *point = point.on(course, detection, &motion));
         }
-        self.read(scan, &motion);
         self.sight.take_scan(
             dt_s,
             ego.speed_mps,
@@ -158,11 +161,11 @@ impl Tracker {
         }
     }
 
-    fn read(&mut self, scan: Scan, motion: &Motion) {
-        let course = self.ahead.course();
+    /// Takes the detections as points of a straight road.
+    fn read(&mut self, scan: Scan, ego_mps: f64) {
         self.points.clear();
         for (index, detection) in scan.detections.iter().enumerate() {
-            let point = Point::new(index, detection, motion, &self.radar.receiver, course);
+            let point = Point::new(index, detection, ego_mps, &self.radar.receiver);
             let vehicle = scan.vehicles.get(index).copied();
             let half_width_m = vehicle.map_or(0.0, |_| 0.5 * self.model.numbers().first_width_m);
             self.points.push(Point { vehicle, half_width_m, ..point });

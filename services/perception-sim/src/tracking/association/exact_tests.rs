@@ -30,7 +30,7 @@ fn seen_at(x_m: f64, y_m: f64, range_rate_mps: f64, slip_rad: f64, course: &Cour
         ..Detection::zeroed()
     };
     let motion = Motion { speed_mps: 20.0, yaw_rate_radps: None, slip_rad };
-    Point::new(7, &detection, &motion, &receiver(), course)
+    Point::new(7, &detection, 20.0, &receiver()).on(course, &detection, &motion)
 }
 
 #[track_caller]
