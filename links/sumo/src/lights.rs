@@ -10,7 +10,7 @@ use crate::wire::Value;
 /// Most intervals of a light that are given.
 const MOST: usize = 8;
 
-/// What a movement is shown, and the earliest, likely and latest end of it, s of the run.
+/// The state that a movement has, and its earliest, likely and latest end, s of the run.
 pub type Interval = (PhaseState, [f64; 3]);
 
 /// The state of a movement by its letter in a phase: red without one.

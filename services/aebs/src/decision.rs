@@ -1,9 +1,9 @@
 //! When to warn, when to brake, when to let go.
 //!
-//! The ego is beside an object along the road for a time that depends on when it brakes ([`Authority::beside`]). They touch if the
-//! object is in the ego's path in that time. The probability of this is a sum over the lateral speeds that the object
-//! may have ([`crate::filter`]). To brake shortens the time, or makes it longer where the ego would have passed: the
-//! same sums decide both.
+//! The ego is beside an object along the road for a time that depends on when it brakes ([`Authority::beside`]). They
+//! touch if the object is in the ego's path in that time. The probability of this is a sum over the lateral speeds that
+//! the object may have ([`crate::filter`]). To brake shortens the time, or makes it longer where the ego would have
+//! passed: the same sums decide both.
 //!
 //! | state | entered | left |
 //! |---|---|---|

@@ -90,7 +90,7 @@ impl RoadAhead<'_> {
     }
 }
 
-/// Time constant of the low-pass of the own way, s. Chosen: half of the time after which a curve that ended holds nothing back.
+/// Time constant of the own way's low-pass, s. Chosen: half of the time after which an ended curve holds nothing back.
 const LAG_S: f64 = 0.5;
 /// A yaw rate within this counts as zero, rad/s. Chosen: three standard deviations of the sensor's offset and noise,
 /// 0.14 °/s.
