@@ -73,11 +73,7 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     let hash = Sha256::digest(format!("{text}{name}{}", env!("CARGO_PKG_VERSION")));
     let token: String = hash[..16].iter().map(|byte| format!("{byte:02x}")).collect();
     let description = ports::description(ports, &name, &token, period_s);
-    let platform = match std::env::consts::ARCH {
-        "x86_64" => "linux64".to_owned(),
-        machine => format!("{machine}-linux"),
-    };
-    let library = format!("binaries/{platform}/unit.so");
+    let library = format!("binaries/{}/unit.so", fmi::platform(fmi::Version::Two));
     let program =
         std::env::current_exe().map_err(Error::path("find", Path::new("this program")))?;
     let quoted = program.display().to_string().replace('\'', r"'\''");
@@ -118,11 +114,5 @@ pub fn serve(directory: &Path) -> ExitCode {
         }
         Ok(())
     };
-    match served() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            let _ = writeln!(io::stderr(), "{}: {error}", directory.display());
-            ExitCode::from(2)
-        }
-    }
+    fmi::ended(served().map_err(|error| format!("{}: {error}", directory.display())))
 }

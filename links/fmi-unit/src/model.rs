@@ -20,7 +20,6 @@ const SLACK_S: f64 = 1e-9;
 
 /// A model with the values of its variables.
 pub struct Model {
-    pub ports: &'static [Port],
     scenario: Scenario,
     law: Box<dyn Law>,
     output: Output,
@@ -55,7 +54,6 @@ impl Model {
         let law = (descriptor.build)(&law::Reader::new(&scenario))?;
         let deployment = is_loop.then(|| Deployment::new(&scenario, 1));
         Ok(Self {
-            ports: if is_loop { ports::LOOP } else { ports::LAW },
             scenario,
             law,
             output: Output::default(),
@@ -68,7 +66,8 @@ impl Model {
 
     /// Begins anew. Values that are not numbers get their start.
     pub fn begin(&mut self, values: &mut [f64]) {
-        for (value, port) in values.iter_mut().zip(self.ports) {
+        let ports = if self.deployment.is_some() { ports::LOOP } else { ports::LAW };
+        for (value, port) in values.iter_mut().zip(ports) {
             if !value.is_finite() {
                 *value = port.start;
             }
@@ -77,8 +76,7 @@ impl Model {
         (self.time_s, self.released, self.position_m) = (0.0, 0, 0.0);
         self.output = Output::default();
         if self.deployment.is_some() {
-            let speed = Speed::try_from(values[5].clamp(0.0, 100.0));
-            self.scenario.plant.initial_speed_mps = speed.expect("a speed of a vehicle");
+            self.scenario.plant.initial_speed_mps = Speed::of(values[5].clamp(0.0, 100.0));
             self.deployment = Some(Deployment::new(&self.scenario, values[11] as u64));
             self.show(values);
         }
@@ -190,7 +188,6 @@ impl Model {
     }
 }
 
-/// Place of the value of a port.
 fn place(ports: &[Port], name: &str) -> usize {
     ports.iter().position(|port| port.name == name).expect("a port of the list")
 }

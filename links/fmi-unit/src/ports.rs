@@ -20,7 +20,6 @@ macro_rules! ports {
     };
 }
 
-/// Variables of a law.
 pub const LAW: &[Port] = ports! {
     INPUT "speed_mps" 0.0 "speed of the vehicle";
     INPUT "acceleration_mps2" 0.0 "acceleration of the vehicle";

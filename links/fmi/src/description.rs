@@ -4,7 +4,6 @@ use crate::UnitError;
 use crate::measure::Measure;
 use openscenario::xml::{self, Document, Element};
 
-/// The file in a unit.
 pub const FILE: &str = "modelDescription.xml";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +16,6 @@ pub enum Version {
 #[derive(Debug)]
 pub struct Type {
     version: Version,
-    /// Name of its element.
     element: &'static str,
     /// End of the names of the functions that set and get it.
     pub suffix: &'static str,
@@ -81,7 +79,6 @@ pub struct Variable {
     pub measure: Option<(String, Option<Measure>)>,
 }
 
-/// A unit as its description has it.
 #[derive(Clone, Debug)]
 pub struct Description {
     pub version: Version,

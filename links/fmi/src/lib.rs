@@ -22,8 +22,10 @@ mod unit;
 mod wiring;
 
 pub use archive::pack;
+pub use description::Version;
 pub use quantity::{Motion, Request};
-pub use serve::run;
+pub use serve::{ended, run};
+pub use unit::platform;
 
 use messages::LawInput;
 use std::os::unix::fs::PermissionsExt;

@@ -44,12 +44,10 @@ const KNOWN: [(&[&str], Dimension, f64); 16] = [
 ];
 
 impl Measure {
-    /// The SI unit of a dimension.
     pub const fn si(dimension: Dimension) -> Self {
         Self { dimension, factor: 1.0, offset: 0.0 }
     }
 
-    /// The measure of a well-known name.
     pub fn named(name: &str) -> Option<Self> {
         let (_, dimension, factor) = KNOWN.iter().find(|(names, ..)| names.contains(&name))?;
         Some(Self { factor: *factor, ..Self::si(*dimension) })

@@ -88,7 +88,6 @@ macro_rules! quantities {
     };
 }
 
-/// Quantities of a law.
 pub static LAW: &[Quantity<LawInput, LawAnswer>] = quantities! {
     Input "speed_mps" SPEED |q| q.speed_mps, ["speed" "velocity" "egospeed" "egovelocity" "speedego" "velocityego"
         "vego" "vehiclespeed" "hostspeed" "ownspeed" "longitudinalvelocity" "longitudinalspeed" "vx" "v"];
@@ -130,7 +129,6 @@ pub static LAW: &[Quantity<LawInput, LawAnswer>] = quantities! {
     Output "service_brake_n" FORCE |a, value| a.service_brake_n = value, ["servicebrake"];
 };
 
-/// Quantities of a vehicle.
 pub static VEHICLE: &[Quantity<Request, Motion>] = quantities! {
     Input "request_mps2" ACCELERATION |q| q.request_mps2, ["request" "accelerationrequest" "requestedacceleration"
         "accelerationcommand" "commandedacceleration" "accelerationcmd" "accelcmd" "desiredacceleration" "acceleration"

@@ -29,13 +29,14 @@ pub fn run(arguments: &[String]) -> ExitCode {
         }
         _ => Err(UnitError::new("timegap service fmu", "other words", "law or vehicle")),
     };
-    match served {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            let _ = writeln!(io::stderr(), "{}{error}", crate::LAST_WORD);
-            ExitCode::from(2)
-        }
-    }
+    ended(served.map_err(|error| format!("{}{error}", crate::LAST_WORD)))
+}
+
+/// Status of a unit's process; a reason for status 2 goes to standard error.
+pub fn ended(served: Result<(), String>) -> ExitCode {
+    let Err(reason) = served else { return ExitCode::SUCCESS };
+    let _ = writeln!(io::stderr(), "{reason}");
+    ExitCode::from(2)
 }
 
 /// A directory for a unit's files, with the process that removes it.
@@ -104,7 +105,6 @@ fn serve<A: Pod, Q: Part<A> + Pod>(path: &Path, words: &[String]) -> Result<(), 
     Ok(())
 }
 
-/// A unit in use.
 struct Running<'a, Q: 'static, A: 'static> {
     unit: &'a Unit<Q, A>,
     instance: Instance,

@@ -84,20 +84,21 @@ impl<A: 'static, Q: Part<A>> Unit<Q, A> {
         Ok(Self { name, archive, description, wiring, library })
     }
 
-    /// True if it begins with the speed that it is given.
     pub fn begins_as_given(&self) -> bool {
         self.wiring.has("initial_speed_mps")
     }
 }
 
-/// The library for this machine.
+/// Name of this machine's folder of libraries.
+pub fn platform(version: Version) -> String {
+    match (version, std::env::consts::ARCH) {
+        (Version::Two, "x86_64") => "linux64".to_owned(),
+        (_, machine) => format!("{machine}-linux"),
+    }
+}
+
 fn library(archive: &Archive, unit: &str, what: &Description) -> Result<String, UnitError> {
-    let machine = std::env::consts::ARCH;
-    let folder = match what.version {
-        Version::Two if machine == "x86_64" => "linux64".to_owned(),
-        Version::Two | Version::Three => format!("{machine}-linux"),
-    };
-    let library = format!("binaries/{folder}/{}.so", what.identifier);
+    let library = format!("binaries/{}/{}.so", platform(what.version), what.identifier);
     if archive.names().any(|name| name == library) {
         return Ok(library);
     }

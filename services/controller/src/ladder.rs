@@ -33,7 +33,6 @@ const PREDICT_S: f64 = 2.0;
 /// Time for which announced signal timing is used without a new announcement, s.
 const BELIEVE_SIGNALS_S: f64 = 5.0;
 
-/// The levels, the strictest one first.
 const STRICTEST_FIRST: [Level; 10] = [
     Level::Silent,
     Level::LeadLost,
@@ -127,7 +126,6 @@ pub struct Ladder {
 }
 
 impl Ladder {
-    /// The ladder of a scenario.
     pub fn new(scenario: &Scenario) -> Self {
         let stale =
             |period_ms: u32| (STALE_PERIODS * f64::from(period_ms) / 1e3).max(SHORTEST_STALE_S);

@@ -57,7 +57,6 @@ impl PlanningThread {
         }
     }
 
-    /// Counts of the plans.
     pub(crate) fn report(&self) -> PlanningReport {
         let WorkerReport { asked, late, deadline_us, worked_us } = self.worker.report();
         PlanningReport { asked, late, deadline_us, plan_us: worked_us }

@@ -56,7 +56,7 @@ pub struct Perception {
     detections: u64,
     detections_left_out: u64,
     list: TrackList,
-    ego_speed: EgoSpeed,
+    pub(crate) ego_speed: EgoSpeed,
     /// The ego's motion that the tracker worked with.
     pub known: Ego,
 }
@@ -253,11 +253,6 @@ impl Perception {
                 tracker.step(out.time_ns, &self.known, yaw_rate_radps, map, scan)
             }
         };
-    }
-
-    /// The ego's speed at the last scan as standing objects show it, m/s, and the detections behind it.
-    pub fn measured_ego_speed(&self) -> Option<(f64, u64)> {
-        self.ego_speed.measured()
     }
 
     /// Share of the expected detections that the radar gives; 1 with exact tracks.

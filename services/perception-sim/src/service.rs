@@ -56,7 +56,10 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
             plane.update(runtime)?;
         }
         // The radar measures from the ego's true place, not from that of its last message.
-        let ego = ego_truth.newest().map_or(start, |truth| true_at(truth, release.time_s));
+        let ego = ego_truth.newest().map_or(start, |truth| {
+            let (position_m, speed_mps) = truth.moved_to(release.time_s);
+            Ego { position_m, speed_mps, acceleration_mps2: truth.acceleration_mps2 }
+        });
         let told = told_at(odometry.newest(), start, &release);
         let time_ns = release.scheduled_ns.unsigned_abs();
         if runtime.is_standby() {
@@ -78,7 +81,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let acquired = Header { acquisition_ns: list.acquisition_ns, ..header };
-        let measured = perception.measured_ego_speed();
+        let measured = perception.ego_speed.measured();
         let seen_share = perception.seen_share();
         tracks.send_with(|message| {
             write_tracks(message, acquired, &list, measured);
@@ -170,11 +173,6 @@ impl DetectionOutput {
         message.count = received.count as u64;
         port.send(message).map(|_| ())
     }
-}
-
-fn true_at(truth: &EgoTruth, time_s: f64) -> Ego {
-    let (position_m, speed_mps) = truth.moved_to(time_s);
-    Ego { position_m, speed_mps, acceleration_mps2: truth.acceleration_mps2 }
 }
 
 /// The ego by its odometry; `None` if that is too old.

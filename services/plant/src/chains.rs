@@ -110,8 +110,9 @@ impl Chains {
     pub(crate) fn count(&mut self) {
         let Some((parts, designed)) = self.ended.take() else { return };
         self.times.count(&parts.0, designed);
-        self.radar_to_controller.record_ns(parts.radar_to_controller_ns());
-        self.controller_to_plant.record_ns(parts.controller_to_plant_ns());
+        // From the acquisition to the control cycle, and from the command to the actuation.
+        self.radar_to_controller.record_ns(parts.0[..3].iter().sum());
+        self.controller_to_plant.record_ns(parts.0[4..].iter().sum());
     }
 
     pub(crate) fn hops_us(&self) -> Hops {

@@ -40,16 +40,6 @@ impl Chain {
         Self(ends.map(|stamp_ns| part(&mut reached, stamp_ns)))
     }
 
-    /// Radar acquisition to the start of the control cycle, ns.
-    pub(crate) fn radar_to_controller_ns(&self) -> i64 {
-        self.0[..3].iter().sum()
-    }
-
-    /// Publication of the command to the actuation, ns.
-    pub(crate) fn controller_to_plant_ns(&self) -> i64 {
-        self.0[4..].iter().sum()
-    }
-
     pub(crate) fn sum_ns(&self) -> i64 {
         self.0.iter().sum()
     }

@@ -4,7 +4,6 @@ use crate::parts::Chain;
 use crate::report::WorstChain;
 use messages::{Command, Origin};
 
-/// Chains that are kept.
 const KEPT: usize = 10;
 
 /// The longest chains so far, longest first; of two equal ones the earlier. Keeping one allocates nothing.

@@ -11,7 +11,6 @@ const LONGEST_NAME: usize = 256;
 
 /// Encoding of our types' definitions.
 pub(crate) const SCHEMA_ENCODING: &str = "ros2msg";
-/// Encoding of our messages.
 pub(crate) const MESSAGE_ENCODING: &str = "cdr";
 
 /// Schemas and channels seen so far.
@@ -44,8 +43,10 @@ impl Definitions {
 
     fn channel(&mut self, channel: &Channel) {
         let (fingerprint, ours) = self.schemas.get(&channel.schema_id).copied().unwrap_or_default();
+        let own = |topic: Topic| schema::fingerprint(&schema::ros2_definition(topic.layout()));
+        let is_cdr = channel.message_encoding == MESSAGE_ENCODING;
         match Topic::by_name(&channel.topic) {
-            Some(topic) if fingerprint == Some(of_ours(topic)) && is_cdr(channel) => {
+            Some(topic) if fingerprint == Some(own(topic)) && is_cdr => {
                 self.channels.insert(channel.id, topic);
             }
             Some(_) => {
@@ -84,12 +85,4 @@ impl Definitions {
         }
         (counts.len() == TOPICS.len()).then_some(counts)
     }
-}
-
-fn of_ours(topic: Topic) -> u64 {
-    schema::fingerprint(&schema::ros2_definition(topic.layout()))
-}
-
-fn is_cdr(channel: &Channel) -> bool {
-    channel.message_encoding == MESSAGE_ENCODING
 }

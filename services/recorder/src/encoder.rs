@@ -11,7 +11,6 @@ use messages::{Header, TOPICS, Topic};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channel {
     pub topic: &'static str,
-    /// Name of its ROS 2 type.
     pub type_name: &'static str,
     /// The type's definition, with those of all types in it.
     pub definition: String,

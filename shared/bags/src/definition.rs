@@ -76,7 +76,6 @@ impl Definition {
         definition
     }
 
-    /// The fields of a type.
     pub(crate) fn fields(&self, name: &str) -> Option<&[Field]> {
         self.types.get(name).map(Vec::as_slice)
     }

@@ -50,7 +50,6 @@ impl Row {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     pub type_name: String,
-    /// A row for each message.
     pub rows: Vec<Row>,
 }
 

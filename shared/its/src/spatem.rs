@@ -62,7 +62,6 @@ pub enum MovementPhase {
     /// Unknown or out of order.
     #[default]
     Unavailable = 0,
-    /// Not lit.
     Dark = 1,
     /// Flashing red: stop, then go.
     StopThenProceed = 2,

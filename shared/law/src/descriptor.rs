@@ -85,7 +85,6 @@ impl Figure {
 /// Way by which others get the gap at which a law aims.
 #[derive(Clone, Copy, Debug)]
 pub enum GapPolicy {
-    /// It follows from the scenario.
     Scenario(fn(&Scenario) -> DesiredGap),
     /// The law shows gap minus desired gap as the figure of this name.
     Figure(&'static str),

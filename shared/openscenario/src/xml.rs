@@ -173,7 +173,6 @@ impl<'a> Cursor<'a> {
         self.spot
     }
 
-    /// The spot of a part of the text.
     fn of(&mut self, part: &str) -> Option<Spot> {
         let byte = part.as_ptr().addr().checked_sub(self.text.as_ptr().addr())?;
         (byte + part.len() <= self.text.len()).then(|| self.at(byte))

@@ -104,7 +104,6 @@ fn interface_index(name: &str) -> Result<u32, OpenError> {
     rustix::net::netdevice::name_to_index(&socket, name).map_err(|e| fail(e.into()))
 }
 
-/// The receiving end.
 #[derive(Debug)]
 pub(crate) struct UdpEndpoint {
     own: Arc<UdpSocket>,

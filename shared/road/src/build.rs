@@ -16,7 +16,6 @@ pub struct Builder {
     pub cells: Vec<Cell>,
     /// End of the pieces so far, m.
     pub length_m: f64,
-    /// Smallest radius, m.
     pub min_radius_m: f64,
 }
 

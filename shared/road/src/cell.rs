@@ -27,7 +27,6 @@ pub struct Place {
     pub heading_rad: f64,
     pub cos: f64,
     pub sin: f64,
-    /// Curvature of the axis, 1/m.
     pub curvature_perm: f64,
 }
 

@@ -14,7 +14,6 @@ use crate::{CROSSING_WITHIN_M, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M, MIN_RADIUS
 pub struct AxisError {
     /// The piece that is wrong, counted from 0.
     pub piece: usize,
-    /// Its fault.
     pub fault: AxisFault,
 }
 

@@ -37,7 +37,6 @@ impl Builtin {
     }
 }
 
-/// The built-in scenario of that name.
 pub fn find(name: &str) -> Option<&'static Builtin> {
     ALL.iter().find(|builtin| builtin.name == name)
 }

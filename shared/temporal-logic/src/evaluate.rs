@@ -189,7 +189,6 @@ fn least_after(margins: &[Margin], window: Samples) -> Vec<Margin> {
     placed(least)
 }
 
-/// The largest margin in the window after each sample.
 fn largest_after(margins: &[Margin], window: Samples) -> Vec<Margin> {
     negative(&least_after(&negative(margins), window))
 }

@@ -17,15 +17,10 @@ pub enum Unit {
 impl Unit {
     /// Counts and flags.
     pub const ONE: Self = Self::Powers { metre: 0, second: 0 };
-    /// m.
     pub const METRE: Self = Self::Powers { metre: 1, second: 0 };
-    /// s.
     pub const SECOND: Self = Self::Powers { metre: 0, second: 1 };
-    /// m/s.
     pub const METRE_PER_SECOND: Self = Self::Powers { metre: 1, second: -1 };
-    /// m/s².
     pub const METRE_PER_SECOND_SQUARED: Self = Self::Powers { metre: 1, second: -2 };
-    /// m/s³.
     pub const METRE_PER_SECOND_CUBED: Self = Self::Powers { metre: 1, second: -3 };
 
     /// Difference that a driver does not notice, in this unit: 0.5 m, 0.5 m/s, 0.1 s, 0.2 m/s², 1 m/s³. Other units

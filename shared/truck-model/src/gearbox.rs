@@ -42,7 +42,8 @@ impl Truck {
     ) -> usize {
         let rpm = self.engine_rpm(speed_mps, gear);
         if rpm < LABOURING_RPM && gear > 0 {
-            return self.relieving_gear(speed_mps, gear);
+            let relieves = |gear: &usize| self.engine_rpm(speed_mps, *gear) >= RELIEVED_RPM;
+            return (0..gear).rev().find(relieves).unwrap_or(0);
         }
         if since_shift_s < MIN_BETWEEN_SHIFTS_S {
             return gear;
@@ -70,10 +71,6 @@ impl Truck {
         let up_torque_nm = net_torque_nm * ratios[gear] / ratios[gear + 1];
         let (_, up_max_nm) = self.net_torque_limits_nm(speed_mps, gear + 1);
         (up_rpm > 1060.0 && up_torque_nm < 0.97 * up_max_nm) || up_rpm > 1350.0 || rpm > 1900.0
-    }
-
-    fn relieving_gear(&self, speed_mps: f64, gear: usize) -> usize {
-        (0..gear).rev().find(|&g| self.engine_rpm(speed_mps, g) >= RELIEVED_RPM).unwrap_or(0)
     }
 }
 

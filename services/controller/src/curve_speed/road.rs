@@ -19,7 +19,6 @@ pub struct Cells<'a> {
     /// Start of the first cell, m ahead of the ego; negative behind it.
     pub first_m: f64,
     pub cell_m: f64,
-    /// Curvature of each, 1/m.
     pub curvatures_perm: &'a [f64],
 }
 

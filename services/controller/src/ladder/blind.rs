@@ -18,7 +18,6 @@ use crate::law::Ego;
 use crate::law::following::parameters::FOLLOWING;
 use crate::law::following::safe_gap::LeadNow;
 
-/// Comfortable braking, m/s².
 pub(super) const COMFORTABLE_MPS2: f64 = 2.0;
 /// Jerk with which comfortable braking begins, m/s³.
 const COMFORTABLE_JERK_MPS3: f64 = 2.5;

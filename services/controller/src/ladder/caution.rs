@@ -50,7 +50,6 @@ pub(super) struct Caution {
     blind_from_mps: Option<f64>,
     /// Bound that slows down what is too fast for a blind radar, m/s².
     slows_mps2: Option<f64>,
-    /// Sight that counts.
     sight: Sight,
     /// Time for which the radar has reported a better one, s.
     better_s: f64,

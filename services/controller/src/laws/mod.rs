@@ -25,7 +25,6 @@ pub fn driving(is_truck: bool) -> impl Iterator<Item = &'static Descriptor> {
     own().filter(move |law| is_truck || !law.trucks_alone)
 }
 
-/// The law of that name.
 pub fn find(name: &str) -> Option<&'static Descriptor> {
     ALL.iter().copied().find(|law| law.name == name)
 }
@@ -108,7 +107,6 @@ pub fn figure_names(scenario: &Scenario) -> Vec<&'static str> {
     formulation(scenario).map_or_else(Vec::new, Formulation::figure_names)
 }
 
-/// Names of the modes of the scenario's law.
 pub fn mode_names(scenario: &Scenario) -> &'static [&'static str] {
     formulation(scenario).map_or(&[], |formulation| formulation.modes)
 }

@@ -54,7 +54,6 @@ struct Known {
     heard_s: f64,
     /// Latest start of a yellow that began in sight, s.
     yellow_from_s: Option<f64>,
-    /// Length of its yellow, s.
     yellow_s: Option<f64>,
     /// Error of its ends by its own evidence, s.
     error_s: Option<f64>,

@@ -86,7 +86,6 @@ impl Accuracy {
 #[derive(Clone, Copy, Debug)]
 pub struct Receiver {
     pub range: Accuracy,
-    /// Accuracy of the range rate, m/s.
     pub range_rate: Accuracy,
     /// Accuracy of the azimuth on the axis, rad. The aperture shrinks with the cosine of the azimuth.
     pub azimuth: Accuracy,

@@ -40,7 +40,6 @@ pub struct PlaneEgo {
     pub told_yaw_rate_radps: Option<f64>,
 }
 
-/// The scene in the plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plane {
     pub ego: PlaneEgo,
@@ -204,7 +203,6 @@ impl Scene {
         }
     }
 
-    /// The same on a road in the plane.
     pub fn on(mut self, road: &Axis, ego: PlaneEgo) -> Self {
         self.stand_on(road, ego);
         self

@@ -23,7 +23,6 @@ const STATION_ID: Number = Number::new("station id", 0, 4_294_967_295);
 const LATITUDE: Number = Number::new("latitude", -900_000_000, 900_000_001);
 const LONGITUDE: Number = Number::new("longitude", -1_800_000_000, 1_800_000_001);
 
-/// The payload of a message.
 pub(crate) fn encode(message: &Message) -> Result<Vec<u8>, EncodeError> {
     let mut to = Writer::default();
     // A walk has its message at hand to fill it; the writer leaves it as it is.

@@ -98,7 +98,6 @@ struct LatchedLight {
     over: bool,
 }
 
-/// A light in force.
 #[derive(Clone, Copy, Debug)]
 struct ActiveLight {
     sign: f64,

@@ -204,7 +204,6 @@ impl PlanSteps {
         (from_m, self.ends_m[index])
     }
 
-    /// End of the last one, m.
     fn end_m(&self) -> f64 {
         self.ends_m[..self.len].last().copied().unwrap_or(self.start_m)
     }

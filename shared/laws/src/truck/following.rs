@@ -162,7 +162,6 @@ pub(crate) fn needed_deceleration_mps2(speed_mps: f64, target: &Target) -> f64 {
 pub(crate) enum Means {
     /// Drag.
     Engine,
-    /// The engine brake.
     EngineBrake,
     /// The service brakes as well, and the acceleration that they must give at least, m/s².
     ServiceBrake(f64),

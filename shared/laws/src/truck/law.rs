@@ -196,7 +196,7 @@ impl Law for Predictive {
 
         let distrusted = self.state.trust.lost;
         if distrusted {
-            self.state.tracking.drop_plan();
+            self.state.tracking.plan.len = 0;
         }
         let guidance = self.state.tracking.guidance(input);
         let economic_mps = guidance.map_or(set_mps, |guidance| guidance.speed_mps);

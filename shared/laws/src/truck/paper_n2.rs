@@ -84,7 +84,6 @@ impl Planner for PaperN2 {
     }
 }
 
-/// Constants of one search.
 struct Search<'a> {
     truck: &'a Truck,
     keys: &'a Keys,

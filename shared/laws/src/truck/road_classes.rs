@@ -69,11 +69,9 @@ impl LimitGrades {
     }
 }
 
-/// A stretch of one class.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stretch {
     pub length_m: f64,
-    /// Mean grade.
     pub grade: f64,
     pub class: Class,
 }
@@ -162,7 +160,6 @@ impl Reconstruction {
         self.stretches.iter().position(is_short).filter(|_| self.stretches.len() > 1)
     }
 
-    /// The neighbour with the nearer slope.
     fn nearer_neighbour(&self, index: usize) -> usize {
         let off = |other: usize| {
             let other = self.stretches.get(other);

@@ -52,10 +52,6 @@ impl Tracking {
         }
     }
 
-    pub(crate) fn drop_plan(&mut self) {
-        self.plan.len = 0;
-    }
-
     /// The plan at present; `None` when there is none or it is stale.
     pub(crate) fn guidance(&self, input: &Input) -> Option<Guidance> {
         let position_m = input.ego.position_m;

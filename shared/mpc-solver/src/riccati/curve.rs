@@ -29,7 +29,6 @@ pub(super) const STIFFNESS: f64 = 3e4;
 /// Violation of a row without a force that counts as zero, relative to its limit or 1.
 const TOLERANCE: f64 = 1e-10;
 
-/// Constants of the curve.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Curve {
     weight: f64,

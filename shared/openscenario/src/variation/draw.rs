@@ -6,7 +6,6 @@ use rand_pcg::Pcg64;
 /// Draws outside a range before the file is refused.
 const MAX_REDRAWS: usize = 10_000;
 
-/// A probability distribution.
 #[derive(Clone, Debug)]
 pub(crate) enum Distribution {
     /// Texts with their weights.

@@ -44,7 +44,6 @@ pub(super) struct Element {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Plan {
     pub elements: Vec<Element>,
-    /// Number of all conditions.
     pub conditions: usize,
     /// The storyboard's stop trigger.
     pub stop: Numbered,

@@ -10,7 +10,6 @@ use crate::world::geometry::Motion;
 use crate::world::shape::MAX_SPEED_MPS;
 
 impl World {
-    /// The present speed of a target, m/s.
     pub(super) fn target_speed(&self, target: &SpeedTarget) -> f64 {
         let speed = match *target {
             SpeedTarget::Absolute(mps) => mps,

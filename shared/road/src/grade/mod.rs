@@ -38,7 +38,6 @@ pub struct Point {
 pub struct ProfileError {
     /// Index of the offending point.
     pub index: usize,
-    /// Its fault.
     pub fault: ProfileFault,
 }
 

@@ -80,22 +80,13 @@ impl Faults {
         Self { seed: scenario.seed.value(), entries, injected }
     }
 
-    /// True if one may disturb messages on `topic`.
-    pub(crate) fn disturbs(&self, topic: Topic) -> bool {
-        self.reach(topic, |effect| effect.of_channels().is_some())
-    }
-
-    /// True if one may falsify messages on `topic`.
-    pub(crate) fn falsifies(&self, topic: Topic) -> bool {
-        self.reach(topic, |effect| effect.of_senders().is_some())
-    }
-
     /// True if one may come to act on messages of `topic`, those aside that the launcher still sends.
     pub(crate) fn concern(&self, topic: Topic) -> bool {
         self.reach(topic, |_| true)
     }
 
-    fn reach(&self, topic: Topic, which: impl Fn(&Effect) -> bool) -> bool {
+    /// True if such a fault may act on messages of `topic`.
+    pub(crate) fn reach(&self, topic: Topic, which: impl Fn(&Effect) -> bool) -> bool {
         self.entries.borrow().iter().map(|entry| &entry.fault.effect).any(|effect| {
             which(effect)
                 && match effect.target() {

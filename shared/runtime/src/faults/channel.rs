@@ -36,7 +36,7 @@ impl<T: Message> Disturbed<T> {
     /// Takes a message that arrived now. True if no fault acts on it and none is before it. It is then the receiver's at
     /// once, and is not copied.
     pub(crate) fn passes(&mut self, message: &T) -> bool {
-        if !self.faults.disturbs(T::TOPIC) {
+        if !self.faults.reach(T::TOPIC, |effect| effect.of_channels().is_some()) {
             return true;
         }
         let now_ns = self.clock.now_ns();

@@ -22,7 +22,7 @@ impl<T: Message> Falsified<T> {
     /// Falsifies `message`, stamped at `now_ns` but not yet protected, as the faults say.
     pub(crate) fn apply(&mut self, message: &mut T, now_ns: i64) {
         self.faults.observe(|| drive(&*message), now_ns);
-        if !self.faults.falsifies(T::TOPIC) {
+        if !self.faults.reach(T::TOPIC, |effect| effect.of_senders().is_some()) {
             return;
         }
         let header = message.header();

@@ -30,12 +30,6 @@ pub fn monotonic_ns() -> i64 {
     now.tv_sec * 1_000_000_000 + now.tv_nsec
 }
 
-/// `CLOCK_REALTIME`, ns since 1970.
-pub(crate) fn utc_ns() -> i64 {
-    let now = clock_gettime(ClockId::Realtime);
-    now.tv_sec * 1_000_000_000 + now.tv_nsec
-}
-
 /// Sleeps until `CLOCK_MONOTONIC` reads `instant_ns`, or a signal arrives.
 pub fn sleep_until(instant_ns: i64) {
     let until = Timespec {

@@ -19,6 +19,7 @@ use crate::survival::checkpoint::{Checkpoint, state_path};
 use crate::transport::{Carrier, Seat, SharedMemory, Transport, Turns};
 use crate::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber, Usage};
 use messages::{EgoTruth, Heartbeat, Service};
+use rustix::time::{ClockId, clock_gettime};
 use scenario::Scenario;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -181,7 +182,10 @@ impl Runtime {
     /// UTC of run time 0, ns since 1970: in simulated time the same in every run.
     pub fn utc_start_ns(&self) -> i64 {
         match self.group.mode {
-            Mode::Realtime => crate::releases::clock::utc_ns() - self.clock().now_ns(),
+            Mode::Realtime => {
+                let utc = clock_gettime(ClockId::Realtime);
+                utc.tv_sec * 1_000_000_000 + utc.tv_nsec - self.clock().now_ns()
+            }
             Mode::Lockstep => scenario::radio::SIMULATED_START_NS,
         }
     }

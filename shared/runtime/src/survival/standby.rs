@@ -88,12 +88,6 @@ impl Order {
         // An address of this process's own: waking cannot fail.
         let _ = futex::wake(&self.state, futex::Flags::PRIVATE, i32::MAX.unsigned_abs());
     }
-
-    /// Wakes the loop if it waits for a topic which can release it.
-    fn wake_by_topic(&self) {
-        wake_word(self.words.wake(Topic::RadarTracks));
-        wake_word(self.words.wake(Topic::RadarDetections));
-    }
 }
 
 /// The loop's side of a standby.
@@ -222,7 +216,10 @@ fn watch(order: &Order, pidfd: Option<OwnedFd>, priority: u8) {
         while !matches!(poll(&mut ends, None), Ok(1..)) {}
     }
     order.take_over(Cause::Gone, monotonic_ns());
-    order.wake_by_topic();
+    // The loop waits for a topic which can release it.
+    for topic in [Topic::RadarTracks, Topic::RadarDetections] {
+        wake_word(order.words.wake(topic));
+    }
 }
 
 #[cfg(test)]

@@ -96,7 +96,6 @@ pub(crate) struct SharedMemory {
 }
 
 impl SharedMemory {
-    /// Joins the run's domain.
     pub(crate) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         let error = |reason| RuntimeError::Node(group.root.clone(), reason);
         let config = domain(group)?;
@@ -139,7 +138,7 @@ impl SharedMemory {
             .map_err(refused(topic))?;
         let builder = self
             .node
-            .service_builder(&service_name(topic))
+            .service_builder(&topic.name().try_into().expect("topic names are valid service names"))
             .publish_subscribe::<Payload>()
             .user_header::<CustomHeaderMarker>();
         // SAFETY: the payload has the layout of the topic's message, and there is no header of ours.
@@ -248,8 +247,4 @@ fn keep_to_this_user(prefix: &str) -> std::io::Result<()> {
         }
     }
     Ok(())
-}
-
-fn service_name(topic: Topic) -> ServiceName {
-    topic.name().try_into().expect("topic names are valid service names")
 }

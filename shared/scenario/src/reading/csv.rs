@@ -70,7 +70,6 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// The text in a field.
     pub(crate) fn text(&self, row: usize, column: usize) -> Option<&'a str> {
         self.rows[row].get(column).map(|(_, field)| *field)
     }

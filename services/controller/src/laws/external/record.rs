@@ -11,10 +11,8 @@ const _: () = assert!(LAW_INTERVALS == crate::law::MAX_PHASES, "and every interv
 const _: () = assert!(LAW_CELLS == crate::law::MAX_CELLS, "and every cell");
 const _: () = assert!(LAW_PLAN < MAX_PLAN, "a command carries every plan");
 
-/// A law's program with its host.
 pub(super) type Program = Hosting<LawInput, LawAnswer>;
 
-/// Bounds of a request.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
     pub(super) least_mps2: f64,

@@ -54,7 +54,6 @@ pub(in crate::codec) struct Writer {
 }
 
 impl Writer {
-    /// The message.
     pub(in crate::codec) fn finish(self) -> Vec<u8> {
         self.bytes
     }

@@ -118,7 +118,6 @@ pub(in crate::codec) trait Fields: Sized {
         if self.extended()? { self.pass_small() } else { self.whole(number, given).map(drop) }
     }
 
-    /// One flag.
     fn bit(&mut self, given: bool) -> Result<bool, PayloadError> {
         Ok(self.whole(BIT, given.into())? == 1)
     }
@@ -162,7 +161,6 @@ pub(in crate::codec) trait Fields: Sized {
         Ok(value)
     }
 
-    /// A list.
     fn list<T: Default>(
         &mut self,
         count: Number,

@@ -32,7 +32,6 @@ pub(in crate::codec) enum Form {
     Extensible,
 }
 
-/// A field of a sequence.
 #[derive(Debug)]
 pub(in crate::codec) struct Field {
     optional: bool,
@@ -73,7 +72,6 @@ pub(in crate::codec) const fn enumeration(what: &'static str, most: i64) -> Part
     Part::ExtensibleEnumeration(Number::new(what, 0, most))
 }
 
-/// Skipping of parts.
 pub(in crate::codec) trait Skip: Fields {
     /// Checks and skips a part if its bit marked it as present.
     fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {

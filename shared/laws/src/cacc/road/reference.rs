@@ -34,11 +34,8 @@ const CREEP_MPS: f64 = 1.0;
 /// Intended treatment of the nearest line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Gate {
-    /// As open from now on.
     Open,
-    /// As closed until the time, s.
     ClosedUntil(f64),
-    /// As closed.
     Closed,
 }
 

@@ -50,7 +50,6 @@ const ON_CURVE: f64 = 2e-9;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum From {
-    /// No guess.
     Nothing,
     /// The guess of an iterate of the interior point.
     Iterate,

@@ -16,7 +16,6 @@ const LANES: usize = 4;
 /// Violation that counts as zero, relative to the limit or 1.
 const TOLERANCE: f64 = 1e-10;
 
-/// A row at one stage.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WorkingRow {
     pub(super) row: usize,

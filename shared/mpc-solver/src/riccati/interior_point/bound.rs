@@ -49,7 +49,6 @@ struct Form {
     is_capped: bool,
 }
 
-/// All blocks of a bound.
 #[derive(Clone, Debug)]
 pub(super) struct Bound {
     form: Form,

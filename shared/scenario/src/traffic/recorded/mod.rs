@@ -190,7 +190,6 @@ fn times(
     Ok(times)
 }
 
-/// Speeds of the rows, m/s.
 fn speeds(
     source: &Source<'_>,
     columns: &Columns,
