@@ -26,7 +26,7 @@ const LAYERS: [&[&str]; 11] = [
 ];
 
 /// Crates of one layer that depend on each other in this order.
-const WITHIN: [(&str, &str); 10] = [
+const WITHIN: [(&str, &str); 11] = [
     ("fmi", "messages"),
     ("fmi", "openscenario"),
     ("report", "supervise"),
@@ -37,6 +37,8 @@ const WITHIN: [(&str, &str); 10] = [
     ("sumo", "messages"),
     ("sumo", "openscenario"),
     ("sumo", "road"),
+    // The simulated vehicles have the ego's on-board unit.
+    ("v2x-sim", "obu"),
 ];
 
 /// Layer of a crate. `path` is that of its manifest below the workspace's folder.

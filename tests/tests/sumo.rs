@@ -1,5 +1,7 @@
 //! SUMO's traffic around the ego: repeatable bytes, the lights, and the ends of a program that misbehaves.
 
+use messages::{AnnouncedMotion, AnnouncedMotions, Odometry};
+use recorder::Recording;
 use serde_json::Value;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -86,11 +88,12 @@ fn the_same_seed_gives_the_same_bytes_in_one_process_and_in_a_group() {
     assert!(sumos(&corner.path().display().to_string()).is_empty(), "SUMO is gone");
 }
 
-/// The summaries of two egos that share one SUMO.
+/// The summaries of two egos that share one SUMO, with CAMs on air.
 fn drive_two(corner: &Corner, grid: &str, out: &str, more: &[&str]) -> [Value; 2] {
     let usual = ["run", grid, "--ego", "through", "--egos", "2", "--mode", "lockstep"];
     let rest = ["--duration", "15", "--set", "traffic.begin_s=30", "--out", out];
-    let mut command = with_sumo(corner, &[&usual[..], &rest, more].concat());
+    let frames = ["--set", "v2x.radio=\"frames\""];
+    let mut command = with_sumo(corner, &[&usual[..], &rest, &frames, more].concat());
     let output = command.output().expect("it starts");
     assert!(output.status.success(), "{}", text(&output));
     ["ego-1", "ego-2"].map(|ego| {
@@ -106,13 +109,37 @@ fn two_egos_share_one_sumo_and_repeat_their_bytes() {
     let first = drive_two(&corner, &grid, "a", &inside);
     assert_ne!(digests(&first[0]), digests(&first[1]));
     let again = drive_two(&corner, &grid, "b", &inside);
-    let group = drive_two(&corner, &grid, "c", &["--no-record"]);
+    let group = drive_two(&corner, &grid, "c", &[]);
     for (ego, number) in first.iter().zip(0..) {
         assert_eq!(digests(ego), digests(&again[number]), "ego {number}");
         assert_eq!(digests(ego), digests(&group[number]), "ego {number}, process groups");
     }
     assert!(sumos(&corner.path().display().to_string()).is_empty(), "SUMO is gone");
     corner.expect_nothing_left(&[]);
+    // The second ego receives the first one's CAMs: what that one's odometry had.
+    let [first, second] = ["c/ego-1", "c/ego-2"].map(|run| recording(&corner, run));
+    let sent: Vec<Odometry> = first.messages::<Odometry>().map(|timed| timed.message).collect();
+    let motions = motions(&second);
+    let received: Vec<_> = motions.iter().flatten().collect();
+    assert!(received.len() > 100, "{}", received.len());
+    for motion in received {
+        assert_eq!(motion.station_id, 4711, "the first one's");
+        let is_its = |own: &Odometry| {
+            (own.speed_mps - motion.speed_mps).abs() < 0.3
+                && (own.acceleration_mps2 - motion.acceleration_mps2).abs() < 0.2
+        };
+        assert!(sent.iter().any(is_its), "{motion:?}");
+    }
+}
+
+fn recording(corner: &Corner, run: &str) -> Recording {
+    Recording::open(&corner.path().join(run)).expect("a recording")
+}
+
+/// The motions that an ego received, of each cycle.
+fn motions(run: &Recording) -> Vec<Vec<AnnouncedMotion>> {
+    let messages = run.messages::<AnnouncedMotions>();
+    messages.map(|timed| timed.message.motions().to_vec()).collect()
 }
 
 fn a_killed_sumo_ends_both_egos() {
@@ -153,7 +180,7 @@ fn a_killed_ego_leaves_the_net_to_the_other() {
     let corner = Corner::new(PROGRAM);
     let grid = own_grid(&corner);
     let words = corner.path().display().to_string();
-    let usual = ["run", &grid, "--ego", "through", "--egos", "2", "--duration", "30"];
+    let usual = ["run", &grid, "--ego", "through", "--egos", "2", "--duration", "15"];
     let child = with_sumo(&corner, &[&usual[..], &["--out", "k"]].concat()).spawn();
     let child = child.expect("it starts");
     assert!(wait_for(|| corner.path().join("k/ego-2/live.json").exists()), "both drive");
@@ -166,6 +193,9 @@ fn a_killed_ego_leaves_the_net_to_the_other() {
     let summary = std::fs::read(corner.path().join("k/ego-1/summary.json")).expect("it went on");
     let summary: Value = serde_json::from_slice(&summary).expect("JSON");
     assert_eq!(summary["outcome"], "completed", "{summary}");
+    let received = motions(&recording(&corner, "k/ego-1"));
+    assert!(received.iter().any(|motions| motions.len() == 1), "it sent before");
+    assert_eq!(received.last().map(Vec::len), Some(0), "and not after");
     assert!(wait_for(|| sumos(&words).is_empty()), "SUMO is gone");
 }
 

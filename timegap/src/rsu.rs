@@ -1,7 +1,6 @@
 //! `timegap rsu`: the roadside units of a scenario alone, for vehicles on other hosts.
 
 use clap::Args;
-use its::geodesy::Plane;
 use its::{EncodeError, Message, MessageKind};
 use radio::{Carrier, Role, StationReport, wall_clock_ns};
 use report::print;
@@ -15,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use supervise::{Error, ScenarioOptions, UsageError, number_within, open};
-use v2x_sim::frames::{Frames, road_plane};
+use v2x_sim::frames::Frames;
 
 /// Longest delay of an end by signal.
 const SLICE: Duration = Duration::from_millis(50);
@@ -106,7 +105,6 @@ fn not_encoded(why: EncodeError) -> UsageError {
 struct RoadsideUnit {
     frames: Frames,
     carrier: Carrier,
-    plane: Plane,
     period: Duration,
     begun: Instant,
     start_ns: i64,
@@ -126,7 +124,6 @@ impl RoadsideUnit {
         Ok(Self {
             frames,
             carrier,
-            plane: road_plane(&scenario.v2x.origin),
             period: Duration::from_nanos(scenario.v2x.period_ms.nanoseconds()),
             begun,
             start_ns,
@@ -179,7 +176,7 @@ impl RoadsideUnit {
             let vehicle = Vehicle {
                 station_id: cam.station_id,
                 cams: cams + 1,
-                position_m: self.plane.point(cam.position).0,
+                position_m: self.frames.path.plane.point(cam.position).0,
                 speed_mps: f64::from(cam.motion.speed) / 100.0,
             };
             self.vehicles.insert(sender, vehicle);

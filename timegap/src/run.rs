@@ -10,7 +10,7 @@ use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
 use runtime::{Mode, RuntimeError, Sealing, die_with_this_thread};
 use scenario::Scenario;
-use scenario::quantity::Seed;
+use scenario::quantity::{Seed, StationId};
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -103,6 +103,10 @@ pub fn run(mut arguments: RunArguments) -> Result<ExitCode, Error> {
         let before = seat.number - 1;
         arguments.group.ready_timeout += sumo::ROOM_S * f64::from(before);
         scenario.seed = Seed::of((scenario.seed.value() + u64::from(before)) % i64::MAX as u64);
+        if scenario.has_obu() {
+            let first = scenario.v2x.obu.station_id.value();
+            scenario.v2x.obu.station_id = StationId::of(first.saturating_add(before));
+        }
     }
     let bridge = arguments.bridge.as_deref().map(crate::bridge::address).transpose()?;
     supervise::hold_signals()?;

@@ -25,6 +25,8 @@ const LIGHT: [u8; 4] = [0x20, 0x2d, 0x28, 0x38];
 pub const STEP: u8 = 0x02;
 pub const SURROUND: u8 = 0x84;
 pub const END: u8 = 0x7f;
+/// An ego's station id and acceleration, for the launcher of several egos. It is no command of TraCI.
+pub const ANNOUNCE: u8 = 0xf0;
 const GET_LIGHT: u8 = 0xa2;
 const GET_VEHICLE: u8 = 0xa4;
 const GET_SIMULATION: u8 = 0xab;
@@ -43,9 +45,10 @@ pub struct Vehicle {
     pub acceleration_mps2: f64,
     pub length_m: f64,
     pub width_m: f64,
+    /// Station id of another ego; 0 for a vehicle of SUMO's.
+    pub station_id: u32,
 }
 
-/// The outcome of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Step {
     pub vehicles: Vec<Vehicle>,
@@ -177,7 +180,6 @@ impl Client {
         answer.value()
     }
 
-    /// Sets a variable of an object of a domain.
     fn set(&mut self, (domain, variable): (u8, u8), object: &str, value: Body) -> Done<()> {
         let mut body = Body::default().byte(variable).text(object);
         body.0.extend(value.0);
@@ -194,7 +196,6 @@ impl Client {
         self.ask(STEP, "a step", &Body::default().number(time_s)).map(drop)
     }
 
-    /// Ids of the vehicles in the net.
     pub fn vehicles(&mut self) -> Done<Vec<String>> {
         match self.get(GET_VEHICLE, 0x00, "")? {
             Value::Texts(ids) => Ok(ids),
@@ -247,8 +248,17 @@ impl Client {
         Ok(Plan::of(present.text(), &self.get(GET_LIGHT, 0x2b, controller)?))
     }
 
-    /// Places the ego and steps once, without a wait.
-    pub fn begin_step(&mut self, front_m: [f64; 2], angle_deg: f64) -> Done<()> {
+    /// Places the ego and steps once, without a wait. The other egos get its station id and acceleration, m/s².
+    pub fn begin_step(
+        &mut self,
+        front_m: [f64; 2],
+        angle_deg: f64,
+        (station_id, acceleration_mps2): (u32, f64),
+    ) -> Done<()> {
+        if self.process.is_none() {
+            let words = Body::default().text(&self.ego).whole(station_id as i32);
+            self.put(ANNOUNCE, "its motion", &words.number(acceleration_mps2));
+        }
         let place = Body::default().byte(0xb4).text(&self.ego).byte(0x0f).whole(6);
         let place = place.typed_text("").typed_whole(-1);
         let place = place.typed_number(front_m[0]).typed_number(front_m[1]);
@@ -323,13 +333,22 @@ impl Client {
                     acceleration_mps2: acceleration.number(),
                     length_m,
                     width_m,
+                    station_id: 0,
                 });
+            }
+        }
+        // What the egos announced in this step.
+        while !answer.0.is_empty() {
+            let (_, mut words, _) = answer.command()?;
+            let id = words.text()?;
+            if let Some(other) = step.vehicles.iter_mut().find(|vehicle| vehicle.id == id) {
+                (other.station_id, other.acceleration_mps2) =
+                    (words.whole()? as u32, words.number()?);
             }
         }
         Ok(step)
     }
 
-    /// Length and width of a vehicle, m.
     fn size_m(&mut self, id: &str) -> Done<[f64; 2]> {
         if let Some(known) = self.sizes_m.get(id) {
             return Ok(*known);

@@ -3,12 +3,9 @@
 //! A program of fixed times has certain ends. The phases of an actuated one last between `minDur` and `maxDur`, and its
 //! next switch is likely.
 
-use messages::PhaseState;
+use messages::{MAX_INTERVALS, PhaseState};
 
 use crate::wire::Value;
-
-/// Most intervals of a light that are given.
-const MOST: usize = 8;
 
 /// The state that a movement has, and its earliest, likely and latest end, s of the run.
 pub type Interval = (PhaseState, [f64; 3]);
@@ -37,7 +34,6 @@ pub struct State {
     pub spent_s: f64,
 }
 
-/// A phase of a program.
 #[derive(Clone, Debug, PartialEq)]
 struct Phase {
     letters: String,
@@ -100,7 +96,7 @@ impl Plan {
             let shown = state_of(&phase.letters, link);
             if shown == before {
                 intervals[last].1 = ends_s;
-            } else if intervals.len() == MOST {
+            } else if intervals.len() == MAX_INTERVALS {
                 break;
             } else {
                 intervals.push((shown, ends_s));
@@ -109,7 +105,7 @@ impl Plan {
         if intervals.len() == 1 {
             // It never changes.
             intervals[0].1 = [f64::INFINITY; 3];
-        } else if intervals.len() < MOST {
+        } else if intervals.len() < MAX_INTERVALS {
             // The last one may go on.
             intervals.pop();
         }

@@ -19,7 +19,6 @@ const CHANGE_SHARE: f64 = 0.6;
 /// Share of the edge before a change begins.
 const BEFORE_SHARE: f64 = 0.2;
 
-/// A light of the route.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
     /// The controller's id in the net.
@@ -59,7 +58,6 @@ struct OnEdge<'a> {
     onward: Option<&'a Connection>,
 }
 
-/// The path along edges.
 pub fn along(net: &Net, edges: &[String]) -> Result<Path, ReadError> {
     let mut path = Path::default();
     let lanes = lanes_along(net, edges)?;
@@ -95,7 +93,6 @@ impl Path {
         }
     }
 
-    /// Goes along one lane.
     fn follow(&mut self, lane: &Lane, lines: Vec<f64>) {
         self.shape(&lane.shape, lane.speed_mps, [lines.clone(), lines]);
     }

@@ -67,7 +67,6 @@ fn find_program() -> Result<PathBuf, ProgramError> {
     })
 }
 
-/// Home of the Python package.
 const PACKAGE: &str = "site-packages/sumo";
 
 /// The program behind a script of the Python package: `../lib/python3.x/site-packages/sumo/bin/sumo`.

@@ -38,7 +38,6 @@ pub struct Limit {
 /// A route of a net as the ego's road.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Route {
-    /// Ids of its edges.
     pub edges: Vec<String>,
     /// Index of the lane on which the ego begins.
     pub lane: usize,

@@ -6,8 +6,9 @@
 //!            └─ sumo          └─ timegap run, ego 3       a step when all have asked for it
 //! ```
 //!
-//! An ego's run knows nothing of the others: it finds a SUMO that takes time for a step. An ego enters when the one before
-//! it has left room, and its run begins then. An ego whose run ends, or is killed, leaves the net, and the others go on.
+//! An ego's run finds a SUMO that takes time for a step. With the step it announces its acceleration, which the others get
+//! with the answer. An ego enters when the one before it has left room, and its run begins then. An ego whose run ends, or
+//! is killed, leaves the net, and the others go on.
 
 use std::io;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -16,7 +17,7 @@ use std::process::{Command, Output, Stdio};
 use std::thread::JoinHandle;
 
 use crate::ProgramError;
-use crate::client::{Client, END, STEP, SURROUND};
+use crate::client::{ANNOUNCE, Client, END, STEP, SURROUND};
 use crate::process::Network;
 use crate::wire::{Answer, Body, read_message, write_message};
 
@@ -53,7 +54,6 @@ impl Seat {
     }
 }
 
-/// An ego at the table.
 struct Ego {
     run: JoinHandle<io::Result<Output>>,
     /// Its run's connection, while it drives.
@@ -62,6 +62,8 @@ struct Ego {
     vehicle: Option<String>,
     /// Answers to the commands before a step, and the time to which it asks to step, s.
     waits: Option<(Vec<u8>, f64)>,
+    /// What it last announced to the others.
+    announces: Vec<u8>,
 }
 
 /// Starts SUMO with a configuration and a seed, and this process's command for each ego with a [`Seat`]. Waits for all
@@ -98,7 +100,7 @@ pub fn drive_egos(
     let seated = begun.into_iter().map(|(seat, run)| {
         let (stream, _) = seat.accept()?;
         stream.set_nodelay(true)?;
-        Ok(Ego { run, stream: Some(stream), vehicle: None, waits: None })
+        Ok(Ego { run, stream: Some(stream), vehicle: None, waits: None, announces: Vec::new() })
     });
     let mut egos: Vec<_> = seated.collect::<io::Result<_>>().map_err(&refuse)?;
     let driven = steps(&mut sumo, &mut egos);
@@ -124,7 +126,8 @@ fn steps(sumo: &mut Client, egos: &mut [Ego]) -> Result<(), ProgramError> {
         let Some(to_s) = asked.min_by(f64::total_cmp) else { return Ok(()) };
         let mut step = Vec::new();
         Body::default().number(to_s).write(STEP, &mut step);
-        let outcome = sumo.forward(&step)?;
+        let mut outcome = sumo.forward(&step)?;
+        outcome.extend(egos.iter().flat_map(|ego| &ego.announces));
         for ego in &mut *egos {
             if let Some((mut answers, _)) = ego.waits.take_if(|(_, asked_s)| *asked_s == to_s) {
                 answers.extend(&outcome);
@@ -144,6 +147,7 @@ impl Ego {
             match id {
                 STEP => step = Some(body.number()?),
                 END => is_over = true,
+                ANNOUNCE => self.announces = whole.to_vec(),
                 _ => commands.extend(whole),
             }
             if id == SURROUND {
@@ -153,7 +157,7 @@ impl Ego {
             }
         }
         if is_over {
-            self.stream = None;
+            (self.stream, self.announces) = (None, Vec::new());
             // One that has reached its end is not there any more.
             let _ = self.vehicle.take().map(|vehicle| sumo.remove(&vehicle));
             return Ok(());

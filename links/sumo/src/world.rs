@@ -47,13 +47,14 @@ pub struct Settings {
     pub ego_m: (f64, f64),
     /// Speed of the ego at the start, m/s.
     pub speed_mps: f64,
+    /// Station id of the ego's radio.
+    pub station_id: u32,
     /// Most vehicles at a time.
     pub most: usize,
     /// Waits for the answer of a step at once.
     pub waits: bool,
 }
 
-/// The ego at an instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Ego {
     /// Middle of its front bumper, and its heading, with the road beginning at the origin.
@@ -81,6 +82,8 @@ pub struct Body {
     pub acceleration_mps2: f64,
     pub length_m: f64,
     pub width_m: f64,
+    /// Station id of another ego, which has a radio; 0 for a vehicle of SUMO's.
+    pub station_id: u32,
 }
 
 /// Way in a time at constant acceleration, m, and the time in motion, s: braking ends at standstill.
@@ -91,7 +94,6 @@ fn way(speed_mps: f64, acceleration_mps2: f64, time_s: f64) -> (f64, f64) {
 }
 
 impl Body {
-    /// The body after a time.
     fn after(&self, time_s: f64) -> Self {
         let (way_m, moving_s) = way(self.along_mps, self.acceleration_mps2, time_s);
         Self {
@@ -110,7 +112,7 @@ pub struct World {
     axis: Axis,
     /// Places of the axis at even distances.
     marks: Vec<[f64; 2]>,
-    waits: bool,
+    settings: Settings,
     /// Time of the step that was begun and not taken, of the newest answer, and of the next step, ns of the run.
     open_ns: Option<u64>,
     known_ns: u64,
@@ -190,7 +192,7 @@ impl World {
             marks: (0..=count).map(mark).collect(),
             axis,
             route: route.clone(),
-            waits: settings.waits,
+            settings: settings.clone(),
             open_ns: None,
             known_ns: 0,
             next_ns: 0,
@@ -219,7 +221,8 @@ impl World {
             let there = beside.placed(&self.axis.pose(ego.place_m + ahead_m));
             let placed = there.placed(&self.route.start);
             let angle_deg = (90.0 - placed.heading_rad.to_degrees()).rem_euclid(360.0);
-            self.client.begin_step([placed.x_m, placed.y_m], angle_deg)?;
+            let announced = (self.settings.station_id, ego.acceleration_mps2);
+            self.client.begin_step([placed.x_m, placed.y_m], angle_deg, announced)?;
             self.open_ns = Some(self.next_ns);
             self.next_ns += STEP_NS;
             self.take_due(time_ns)?;
@@ -248,7 +251,7 @@ impl World {
         let Some(open_ns) = self.open_ns.filter(|open_ns| *open_ns <= time_ns) else {
             return Ok(());
         };
-        if !self.waits && !self.client.has_answered()? {
+        if !self.settings.waits && !self.client.has_answered()? {
             return Ok(());
         }
         (self.open_ns, self.known_ns) = (None, open_ns);
@@ -304,6 +307,7 @@ impl World {
             acceleration_mps2: acceleration * cosine,
             length_m: vehicle.length_m,
             width_m: vehicle.width_m,
+            station_id: vehicle.station_id,
         })
     }
 

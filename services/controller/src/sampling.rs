@@ -4,7 +4,8 @@ use crate::law::{
     self, Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target,
 };
 use messages::{
-    Interval, Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat,
+    AnnouncedMotion, AnnouncedMotions, Interval, Map, Odometry, PhaseState, Powertrain, Preview,
+    RadarTracks, Signal, Spat,
 };
 use scenario::Scenario;
 
@@ -14,13 +15,15 @@ const SAME_END_S: f64 = 0.2;
 const LIKELY: u32 = 3;
 /// A stop line is dropped when it is this far behind, m.
 const PASSED_M: f64 = 50.0;
+/// Distance of two rears on one lane from which they are those of two vehicles, m: half of a short car's length.
+const SAME_M: f64 = 1.75;
+/// Distance from the middle of the ego's lane from which a vehicle is on another one, m: half of a lane.
+const BESIDE_M: f64 = 1.75;
 
 /// Part of the input that does not come from samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Control period, s.
     pub period_s: f64,
-    /// Driver's set speed, m/s.
     pub set_speed_mps: f64,
     /// Legal limit, m/s, infinite when unknown.
     pub speed_limit_mps: f64,
@@ -49,17 +52,16 @@ impl Setting {
 /// The newest samples of all inputs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Samples<'a> {
-    /// Ego motion.
     pub odometry: Option<&'a Odometry>,
-    /// Target.
     pub radar: Option<&'a RadarTracks>,
     /// Signal timing.
     pub spat: Option<&'a Spat>,
     /// Stop lines.
     pub map: Option<&'a Map>,
+    /// Other vehicles, as they announce themselves.
+    pub motions: Option<&'a AnnouncedMotions>,
     /// Engine and gears of a truck.
     pub powertrain: Option<&'a Powertrain>,
-    /// The road ahead.
     pub preview: Option<&'a Preview>,
 }
 
@@ -77,12 +79,18 @@ pub enum SignalTrust {
 
 /// Input of the law at `time_s`. Without odometry the ego is taken to stand at the origin.
 pub fn input(setting: &Setting, samples: &Samples<'_>, trust: SignalTrust, time_s: f64) -> Input {
-    let ego = samples.odometry.map_or_else(Ego::default, |odometry| ego_at(odometry, time_s));
+    let ego = samples.odometry.map_or_else(Ego::default, |odometry| {
+        let (position_m, speed_mps) = odometry.moved_to(time_s);
+        Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
+    });
     Input {
         time_s,
         period_s: setting.period_s,
         ego,
-        target: samples.radar.and_then(|radar| target_at(radar, setting.raw_target, time_s)),
+        target: samples
+            .radar
+            .and_then(|radar| target_at(radar, setting.raw_target, time_s))
+            .map(|target| announced(target, samples, &ego, time_s)),
         signals: signals_ahead(setting, samples, &ego, trust, time_s),
         powertrain: samples.powertrain.map(|powertrain| powertrain_at(powertrain, samples, time_s)),
         preview: samples.preview.map(preview),
@@ -124,11 +132,6 @@ fn age_s(acquisition_ns: i64, time_s: f64) -> f64 {
     (time_s - acquisition_ns as f64 / 1e9).max(0.0)
 }
 
-fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
-    let (position_m, speed_mps) = odometry.moved_to(time_s);
-    Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
-}
-
 /// The target at constant relative speed since the sample. It is as measured if `raw` and the scan has it, else as
 /// tracked. Two filters in a row would see a lead brake too late.
 fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
@@ -146,6 +149,20 @@ fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
         acceleration_mps2: target.acceleration_mps2,
         age_s,
     })
+}
+
+/// The target with the acceleration that it announces, if it brakes harder than the radar has it. A radar needs some
+/// scans to see a lead brake. A CAM is not signed and up to a second old, so that it may only make the ego more careful.
+fn announced(target: Target, samples: &Samples<'_>, ego: &Ego, time_s: f64) -> Target {
+    let motions = samples.motions.map_or(&[][..], AnnouncedMotions::motions);
+    let is_it = |motion: &&AnnouncedMotion| {
+        let since_s = age_s(motion.made_ns, time_s);
+        let gap_m = motion.rear_position_m + motion.speed_mps * since_s - ego.position_m;
+        (gap_m - target.gap_m).abs() < SAME_M && motion.lateral_m.abs() < BESIDE_M
+    };
+    let least_mps2 = motions.iter().filter(is_it).map(|motion| motion.acceleration_mps2);
+    let acceleration_mps2 = least_mps2.fold(target.acceleration_mps2, f64::min);
+    Target { acceleration_mps2, ..target }
 }
 
 /// Stop lines of the map with their timing, nearest first.
@@ -290,6 +307,31 @@ mod tests {
         radar.target.valid = 0;
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
         assert_eq!(input(&raw, &samples, SignalTrust::Announced, 0.2).target, None);
+    }
+
+    #[test]
+    fn a_target_that_announces_its_braking_brakes_and_a_vehicle_beside_it_does_not() {
+        let mut radar = RadarTracks::zeroed();
+        (radar.target.valid, radar.target.gap_m, radar.target.acceleration_mps2) = (1, 42.0, -1.0);
+        let mut motions = AnnouncedMotions::zeroed();
+        motions.count = 1;
+        (motions.motions[0].rear_position_m, motions.motions[0].speed_mps) = (40.0, 10.0);
+        let at = |motions: &AnnouncedMotions| {
+            let samples =
+                Samples { radar: Some(&radar), motions: Some(motions), ..Samples::default() };
+            input(&SETTING, &samples, SignalTrust::Announced, 0.2).target.expect("valid")
+        };
+        motions.motions[0].acceleration_mps2 = -6.0;
+        assert_eq!(at(&motions).acceleration_mps2, -6.0);
+        let announced = motions.motions[0];
+        for other in [
+            AnnouncedMotion { acceleration_mps2: 2.0, ..announced },
+            AnnouncedMotion { rear_position_m: 44.0, ..announced },
+            AnnouncedMotion { lateral_m: 3.5, ..announced },
+        ] {
+            motions.motions[0] = other;
+            assert_eq!(at(&motions).acceleration_mps2, -1.0, "{other:?}");
+        }
     }
 
     #[test]

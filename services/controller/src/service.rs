@@ -20,7 +20,8 @@ use messages::level::Level;
 use messages::{Command, Diagnostics, FIGURES, Header, PLAN_LEN, Service, ServiceState};
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{
-    Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, monotonic_ns,
+    Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    monotonic_ns,
 };
 use scenario::{Scenario, controller};
 use std::time::Duration;
@@ -247,7 +248,8 @@ impl Loop {
             fresh.is_some() && age(powertrain.header.acquisition_ns) <= stale_s
         });
         let (map, preview) = (self.inputs.map.newest(), self.inputs.preview());
-        let samples = Samples { odometry: ego, radar, spat, map, powertrain, preview };
+        let motions = self.inputs.motions.as_ref().and_then(Subscriber::newest);
+        let samples = Samples { odometry: ego, radar, spat, map, motions, powertrain, preview };
         let ages = Ages {
             odometry_s: ego.map(|odometry| age(odometry.header.acquisition_ns)),
             radar_s: radar.map(|radar| age(radar.header.acquisition_ns)),

@@ -1,9 +1,8 @@
-//! The vehicle's own CAM: when it is due, and its content (EN 302 637-2).
+//! A vehicle's CAM: when it is due, and its content (EN 302 637-2).
 
 use crate::clock::Moment;
-use crate::lanes::road_plane;
+use crate::lanes::Path;
 use its::cam::{Cam, LowFrequency, Motion};
-use its::geodesy::Plane;
 use its::geonetworking::{Source, StationType};
 use its::time::its_timestamp;
 use its::triggers::{self, Triggers};
@@ -21,31 +20,31 @@ pub struct Awareness {
     station_type: u8,
     length_dm: u16,
     triggers: Triggers,
-    plane: Plane,
-    heading_deg: f64,
+    pub(crate) path: Path,
 }
 
 impl Awareness {
-    pub fn of(scenario: &Scenario) -> Self {
-        let (plant, origin) = (&scenario.plant, &scenario.v2x.origin);
+    /// The CAMs of a vehicle like the ego, with a station id.
+    pub fn of(scenario: &Scenario, station_id: u32) -> Self {
+        let plant = &scenario.plant;
         Self {
-            station_id: scenario.v2x.obu.station_id.value(),
+            station_id,
             station_type: if plant.vehicle.is_truck() { TRUCK } else { CAR },
             length_dm: (10.0 * plant.length_m.value()).round().clamp(1.0, 1022.0) as u16,
             triggers: Triggers::default(),
-            plane: road_plane(origin),
-            heading_deg: origin.heading_deg.value(),
+            path: Path::of(scenario),
         }
     }
 
-    pub fn due(&mut self, odometry: &Odometry, moment: &Moment) -> Option<Vec<u8>> {
+    /// The frame of a vehicle that drives `left_m` beside its path, if one is due.
+    pub fn due(&mut self, odometry: &Odometry, left_m: f64, moment: &Moment) -> Option<Vec<u8>> {
         let (position_m, speed_mps) = odometry.moved_to(moment.now_ns as f64 / 1e9);
-        let motion = triggers::Motion { position_m, speed_mps, heading_deg: self.heading_deg };
+        let (position, heading_deg) = self.path.earth(position_m, left_m);
+        let motion = triggers::Motion { position_m, speed_mps, heading_deg };
         // Tenths of degrees; 3600 is north again.
-        let heading = (10.0 * self.heading_deg).round() as u16 % 3600;
+        let heading = (10.0 * heading_deg).round() as u16 % 3600;
         let due = self.triggers.check(moment.now_ns, &motion)?;
         let timestamp = its_timestamp(moment.utc_ms());
-        let position = self.plane.position(position_m, 0.0);
         let acceleration = (10.0 * odometry.acceleration_mps2).round().clamp(-160.0, 160.0) as i16;
         let speed_cmps = (100.0 * speed_mps).round().clamp(0.0, 16_382.0);
         let Self { station_id, station_type, length_dm, .. } = *self;

@@ -4,7 +4,8 @@
 
 use its::geodesy::{Plane, Position};
 use its::mapem::{Approach, Connection, IntersectionGeometry, Lane, STRAIGHT};
-use road::Axis;
+use road::{Axis, Pose};
+use scenario::Scenario;
 use scenario::radio::Origin;
 
 use crate::numbers::Numbers;
@@ -34,6 +35,27 @@ pub struct Path {
 }
 
 impl Path {
+    /// The road of a scenario.
+    pub fn of(scenario: &Scenario) -> Self {
+        let net = scenario.traffic.route.as_ref().and(scenario.road.plan());
+        Self { plane: road_plane(&scenario.v2x.origin), axis: net.map(|plan| plan.axis().clone()) }
+    }
+
+    /// A place on the path in the plane.
+    pub fn pose(&self, along_m: f64) -> Pose {
+        let straight = Pose { x_m: along_m, ..Pose::default() };
+        self.axis.as_ref().map_or(straight, |axis| axis.pose(along_m))
+    }
+
+    /// The position on the Earth of a place beside the path, and the path's heading, degrees clockwise from north.
+    pub fn earth(&self, along_m: f64, left_m: f64) -> (Position, f64) {
+        let pose = self.pose(along_m);
+        let (x_m, y_m) = pose.to_world(0.0, left_m);
+        let (sine, cosine) = libm::sincos(pose.heading_rad);
+        let (east, north) = self.plane.to_earth((cosine, sine));
+        (self.plane.position(x_m, y_m), libm::atan2(east, north).to_degrees().rem_euclid(360.0))
+    }
+
     /// Distance of a position along the path and to its left, m.
     pub fn point(&self, position: Position) -> (f64, f64) {
         let (x_m, y_m) = self.plane.point(position);

@@ -3,6 +3,7 @@
 //! ```text
 //! radio/frames ─► decode ─► own station? stamps? same bytes again? ─► SPATEM, MAPEM by intersection
 //!                                                                              │ agree? received twice?
+//! radio/frames ─► CAMs of other vehicles ──────────────────────────────────────────────────► v2x/motions
 //! vehicle/odometry ─► path ahead ────────────────────────────────► stop lines, timing ─► v2x/map, v2x/spat
 //!         └─────────► CAM when due ─► radio/sent
 //! ```

@@ -17,12 +17,14 @@ use crate::numbers::Numbers;
 use crate::report::Signers;
 use crate::verdict::{Verdict, Verdicts};
 use its::Message;
+use its::cam::Cam;
 use its::geodesy::Plane;
 use its::mapem::IntersectionGeometry;
 use its::signed;
 use its::spatem::IntersectionState;
 use its::time::from_its_timestamp;
-use messages::{Lane, Map, Spat};
+use its::triggers::MAX_NS;
+use messages::{AnnouncedMotion, Lane, MAX_MOTIONS, Map, Spat};
 use std::collections::VecDeque;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -33,6 +35,10 @@ const REMEMBERED_FRAMES: usize = 512;
 const FORGOTTEN_NS: i64 = 30_000_000_000;
 /// Greatest age of the first map of an intersection, ms. Chosen: a map changes with works on the road, not within minutes.
 const OLDEST_MAP_MS: i64 = 600_000;
+/// Longest delay of a CAM behind the longest time between two, ns. Chosen: two periods of the unit.
+const CAM_LATE_NS: i64 = 200_000_000;
+/// Speed and acceleration of a CAM that are not available (ETSI TS 102 894-2).
+const UNAVAILABLE: (u16, i16) = (16_383, 161);
 const MOST_INTERSECTIONS: usize = 64;
 
 /// The intersections that the unit has, and its verdicts on the frames.
@@ -44,6 +50,8 @@ pub struct Receiver {
     /// The road, or a way through a net.
     pub(crate) path: Path,
     intersections: Vec<Intersection>,
+    /// The newest motion of each other vehicle.
+    pub motions: Vec<AnnouncedMotion>,
     heard: VecDeque<u64>,
     pub verdicts: Verdicts,
     /// Signed frames are not ignored.
@@ -71,6 +79,7 @@ impl Receiver {
             max_age_ms,
             path: Path { plane, axis: None },
             intersections: Vec::new(),
+            motions: Vec::new(),
             heard: VecDeque::with_capacity(REMEMBERED_FRAMES),
             verdicts: Verdicts::default(),
             uses_signed: true,
@@ -85,8 +94,10 @@ impl Receiver {
         verdict
     }
 
-    /// Drops intersections that are passed and silent. `ego_m` is the vehicle's position on its path.
+    /// Drops intersections that are passed and silent, and vehicles whose next CAM did not come. `ego_m` is the vehicle's
+    /// position on its path.
     pub fn forget(&mut self, now_ns: i64, ego_m: f64) {
+        self.motions.retain(|motion| now_ns - motion.made_ns <= MAX_NS + CAM_LATE_NS);
         self.intersections.retain(|intersection| {
             intersection.lines(now_ns, ego_m).next().is_some()
                 || now_ns - intersection.heard_ns < FORGOTTEN_NS
@@ -158,14 +169,35 @@ impl Receiver {
                 let maps = mapem.intersections.iter().map(|map| self.take_map(map, &sent));
                 maps.max().unwrap_or(Verdict::Accepted)
             }
-            // CAMs of other vehicles do not affect the signals.
-            Message::Cam(_) if self.is_of_now(made_ms, moment) => Verdict::Accepted,
+            Message::Cam(cam) if self.is_of_now(made_ms, moment) => {
+                self.take_motion(cam, moment.run_ns(made_ms), (along_m, left_m));
+                Verdict::Accepted
+            }
             Message::Cam(_) => Verdict::TooOld,
         }
     }
 
     fn is_of_now(&self, made_ms: i64, moment: &Moment) -> bool {
         moment.age_ms(made_ms).abs() <= self.max_age_ms
+    }
+
+    /// Keeps the motion of a vehicle at `made_ns`, at a place along the path and to its left, m.
+    fn take_motion(&mut self, cam: &Cam, made_ns: i64, (along_m, left_m): (f64, f64)) {
+        let &Cam { station_id, motion, .. } = cam;
+        let is_its = |known: &AnnouncedMotion| known.station_id == u64::from(station_id);
+        // The air may reorder frames.
+        self.motions.retain(|known| !is_its(known) || known.made_ns > made_ns);
+        let is_known = motion.speed < UNAVAILABLE.0 && motion.acceleration < UNAVAILABLE.1;
+        if is_known && self.motions.len() < MAX_MOTIONS && !self.motions.iter().any(is_its) {
+            self.motions.push(AnnouncedMotion {
+                station_id: station_id.into(),
+                made_ns,
+                rear_position_m: along_m - f64::from(motion.length) / 10.0,
+                lateral_m: left_m,
+                speed_mps: f64::from(motion.speed) / 100.0,
+                acceleration_mps2: f64::from(motion.acceleration) / 10.0,
+            });
+        }
     }
 
     /// Timing that is too old still shows that the intersection exists: its signals are unknown, not absent.

@@ -2,12 +2,13 @@
 
 use crate::awareness::Awareness;
 use crate::clock::{ClockError, Moment};
-use crate::lanes::{Path, road_plane};
+use crate::lanes::Path;
 use crate::receiver::Receiver;
 use crate::report::ObuReport;
 use crate::verdict::Verdicts;
 use messages::{
-    Header, Map, Odometry, Origin, Origins, RadioFrames, RadioSent, Service, ServiceState, Spat,
+    AnnouncedMotions, Header, Map, Odometry, Origin, Origins, RadioFrames, RadioSent, Service,
+    ServiceState, Spat,
 };
 use runtime::statistics::Latencies;
 use runtime::{
@@ -52,6 +53,8 @@ struct Unit {
     frames: Subscriber<RadioFrames>,
     spat: Publisher<Spat>,
     map: Publisher<Map>,
+    /// Those of the other egos in a net.
+    motions: Option<Publisher<AnnouncedMotions>>,
     sent: Publisher<RadioSent>,
     receiver: Receiver,
     awareness: Awareness,
@@ -111,13 +114,11 @@ pub fn last_known(group: &Group) -> Option<ObuReport> {
 
 impl Unit {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
-        let (keys, plane) = (&scenario.v2x.obu, road_plane(&scenario.v2x.origin));
+        let (keys, path) = (&scenario.v2x.obu, Path::of(scenario));
         let period_ns = i64::from(scenario.v2x.period_ms.value()) * 1_000_000;
-        let net = scenario.traffic.route.as_ref().and(scenario.road.plan());
-        let axis = net.map(|plan| plan.axis().clone());
         let max_age_ms = keys.max_age_ms.value().into();
-        let mut receiver = Receiver::new(keys.station_id.value(), max_age_ms, plane);
-        receiver.path = Path { plane, axis };
+        let mut receiver = Receiver::new(keys.station_id.value(), max_age_ms, path.plane);
+        receiver.path = path;
         receiver.verdicts = Verdicts::open(runtime.figures())?;
         receiver.uses_signed = keys.signed == SignedFrames::Use;
         Ok(Self {
@@ -125,9 +126,10 @@ impl Unit {
             frames: runtime.releasing_subscriber()?,
             spat: runtime.publisher()?,
             map: runtime.publisher()?,
+            motions: scenario.traffic.route.as_ref().map(|_| runtime.publisher()).transpose()?,
             sent: runtime.publisher()?,
             receiver,
-            awareness: Awareness::of(scenario),
+            awareness: Awareness::of(scenario, keys.station_id.value()),
             clock_error: ClockError {
                 offset_ms: keys.clock_offset_ms.value(),
                 drift_ppm: keys.clock_drift_ppm.value(),
@@ -213,8 +215,18 @@ impl Unit {
         let acquired_ns = made_ns.unwrap_or(if self.receives(now_ns) { now_ns } else { newest_ns });
         map.header = Header::new(release.step, now_ns, origins);
         spat.header = Header::new(release.step, acquired_ns.min(now_ns), origins);
+        let header = map.header;
         self.map.send(map)?;
         self.spat.send(spat)?;
+        if let Some(motions) = &mut self.motions {
+            motions.send_with(|message| {
+                message.header = header;
+                for (place, motion) in message.motions.iter_mut().zip(&self.receiver.motions) {
+                    *place = *motion;
+                    message.count += 1;
+                }
+            })?;
+        }
         Ok(())
     }
 
@@ -225,7 +237,7 @@ impl Unit {
 
     fn send_cam(&mut self, release: &Release, moment: &Moment) -> Result<(), RuntimeError> {
         let Some(odometry) = self.odometry.newest() else { return Ok(()) };
-        let Some(bytes) = self.awareness.due(odometry, moment) else { return Ok(()) };
+        let Some(bytes) = self.awareness.due(odometry, 0.0, moment) else { return Ok(()) };
         let origins = self.origins();
         let header = Header::new(release.step, release.scheduled_ns, origins);
         self.counts.cams.add(1);

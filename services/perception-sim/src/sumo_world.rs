@@ -5,7 +5,7 @@ use std::net::TcpStream;
 use std::process::Command;
 use std::sync::Once;
 
-use messages::{Header, Interval, Lane, Lights, MAX_LANES, PhaseState, Signal};
+use messages::{AnnouncedMotion, Header, Interval, Lane, Lights, MAX_LANES, PhaseState, Signal};
 use runtime::{
     Mode, OwnNetwork, Publisher, Runtime, RuntimeError, die_with_this_thread, inherit_only,
 };
@@ -48,6 +48,7 @@ impl SumoWorld {
             deadline_s: scenario.traffic.deadline_s.value(),
             ego_m: (scenario.plant.length_m.value(), VEHICLE_WIDTH_M),
             speed_mps: scenario.plant.initial_speed_mps.value(),
+            station_id: scenario.v2x.obu.station_id.value(),
             most: scenario.actors.len(),
             waits: runtime.clock().mode == Mode::Lockstep,
         };
@@ -94,6 +95,17 @@ impl SumoWorld {
                 message.lanes[place] = *lane;
                 write(lane, &intervals, &mut message.signals[place]);
                 message.count += 1;
+            }
+            let others = world.bodies().flatten().filter(|body| body.station_id > 0);
+            for (motion, body) in message.motions.iter_mut().zip(others) {
+                *motion = AnnouncedMotion {
+                    station_id: body.station_id.into(),
+                    made_ns: header.acquisition_ns,
+                    rear_position_m: body.middle_m - 0.5 * body.length_m,
+                    lateral_m: body.aside_m,
+                    speed_mps: body.along_mps,
+                    acceleration_mps2: body.acceleration_mps2,
+                };
             }
         })?;
         Ok(())

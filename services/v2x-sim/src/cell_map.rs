@@ -11,13 +11,6 @@ use scenario::{Problem, Scenario};
 
 use crate::numbers::NUMBERS;
 
-/// The known part of the road ahead.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ahead {
-    pub first_cell_m: f64,
-    pub count: usize,
-}
-
 /// A quantity along the road that a map has as means over its cells.
 #[derive(Clone, Debug)]
 enum Quantity {
@@ -54,7 +47,6 @@ impl Quantity {
     }
 }
 
-/// The map of one quantity.
 #[derive(Clone, Debug)]
 pub struct CellMap {
     quantity: Quantity,
@@ -92,8 +84,8 @@ impl CellMap {
         }
     }
 
-    /// The road from the ego's cell on; writes the means of the known cells.
-    pub fn ahead(&self, ego_m: f64, means: &mut [f64]) -> Ahead {
+    /// Writes the means of the known cells from the ego's on; their number, and the beginning of the first one, m.
+    pub fn ahead(&self, ego_m: f64, means: &mut [f64]) -> (u64, f64) {
         let first = (ego_m / self.cell_m).floor();
         let mut count = 0;
         for (index, mean) in means.iter_mut().enumerate() {
@@ -104,7 +96,7 @@ impl CellMap {
             *mean = self.mean(cell);
             count += 1;
         }
-        Ahead { first_cell_m: first * self.cell_m, count }
+        (count, first * self.cell_m)
     }
 
     fn mean(&self, cell: f64) -> f64 {
@@ -131,7 +123,7 @@ mod tests {
     mod grades {
         use super::*;
 
-        fn ahead(map: &CellMap, ego_m: f64) -> (Ahead, [f64; MAX_PREVIEW_CELLS]) {
+        fn ahead(map: &CellMap, ego_m: f64) -> ((u64, f64), [f64; MAX_PREVIEW_CELLS]) {
             let mut grades = [0.0; MAX_PREVIEW_CELLS];
             let ahead = map.ahead(ego_m, &mut grades);
             (ahead, grades)
@@ -155,10 +147,10 @@ mod tests {
             let map = map("");
             let Quantity::Grade(road) = &map.quantity else { panic!("a map of grades") };
             for ego_m in [0.0, 49.9, 1234.5] {
-                let (ahead, grades) = ahead(&map, ego_m);
-                assert!(ahead.first_cell_m <= ego_m && ego_m < ahead.first_cell_m + map.cell_m);
-                assert!(ahead.first_cell_m + ahead.count as f64 * map.cell_m >= ego_m + 2000.0);
-                let middle_m = ahead.first_cell_m + 10.5 * map.cell_m;
+                let ((count, first_m), grades) = ahead(&map, ego_m);
+                assert!(first_m <= ego_m && ego_m < first_m + map.cell_m);
+                assert!(first_m + count as f64 * map.cell_m >= ego_m + 2000.0);
+                let middle_m = first_m + 10.5 * map.cell_m;
                 assert!((grades[10] - road.grade(middle_m)).abs() < 1e-12);
             }
         }
@@ -166,7 +158,7 @@ mod tests {
         #[test]
         fn a_map_ends_in_whole_cells() {
             let map = map("v2x.preview.ends_at_m = 1020");
-            assert_eq!([0.0, 960.0, 1010.0, 5000.0].map(|x| ahead(&map, x).0.count), [20, 1, 0, 0]);
+            assert_eq!([0.0, 960.0, 1010.0, 5000.0].map(|x| ahead(&map, x).0.0), [20, 1, 0, 0]);
         }
 
         #[test]
@@ -197,7 +189,7 @@ mod tests {
             CellMap::of_curves(&scenario).expect("it has a plan")
         }
 
-        fn ahead(map: &CellMap, ego_m: f64) -> (Ahead, [f64; MAX_CURVE_CELLS]) {
+        fn ahead(map: &CellMap, ego_m: f64) -> ((u64, f64), [f64; MAX_CURVE_CELLS]) {
             let mut curvatures = [0.0; MAX_CURVE_CELLS];
             let ahead = map.ahead(ego_m, &mut curvatures);
             (ahead, curvatures)
@@ -207,7 +199,7 @@ mod tests {
         fn two_kilometres_of_curvatures_are_known() {
             let map = map("");
             let (known, curvatures) = ahead(&map, 137.5);
-            assert_eq!(known, Ahead { first_cell_m: 125.0, count: MAX_CURVE_CELLS });
+            assert_eq!(known, (MAX_CURVE_CELLS as u64, 125.0));
             let at = |place_m: f64| curvatures[((place_m - 125.0) / map.cell_m) as usize];
             assert_eq!(at(200.0), 0.0);
             // The spiral gets to 1/500 over 80 m: the middle of its second cell is 37.5 m along it.
@@ -227,7 +219,7 @@ mod tests {
             assert!(errors.iter().any(|error| error.abs() > 0.03), "{errors:?}");
             assert_eq!(ahead(&noisy, 425.0).1[..13], wrong[1..14], "an error stays in its cell");
             let ended = map("v2x.preview.ends_at_m = 510");
-            assert_eq!([0.0, 480.0, 505.0].map(|ego_m| ahead(&ended, ego_m).0.count), [20, 1, 0]);
+            assert_eq!([0.0, 480.0, 505.0].map(|ego_m| ahead(&ended, ego_m).0.0), [20, 1, 0]);
         }
 
         #[test]

@@ -12,19 +12,18 @@ mod along;
 use crate::numbers::NUMBERS;
 use crate::program::{Interval, Program};
 use crate::roadside_unit::CERTAIN;
-use its::geodesy::{Plane, Position};
 use its::geonetworking::{Source, StationType};
-use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, Lane, Mapem, STRAIGHT};
+use its::mapem::{Approach, Connection, Lane};
 use its::spatem::{IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing};
 use its::time::{Stamp, TimeMark, its_timestamp};
 use its::{EncodeError, Frame, Message, MessageKind};
 use messages::{Lights, MAX_INTERVALS};
+use obu::lanes::Path;
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
-use road::Axis;
 use scenario::Scenario;
 use scenario::quantity::Time;
-use scenario::radio::{Origin, Unit};
+use scenario::radio::Unit;
 use scenario::v2x::Phase;
 
 /// Station id of the unit at intersection 0; intersection n adds n.
@@ -37,12 +36,6 @@ const JITTER_STREAM: u64 = 0x5a17_c0de_0a1b_0003;
 const TURNING: u8 = 101;
 const EXITS: u8 = 201;
 
-/// The plane around the road's beginning, with the road as its axis.
-pub fn road_plane(origin: &Origin) -> Plane {
-    let (latitude, longitude) = origin.steps();
-    Plane::along(Position { latitude, longitude }, origin.heading_deg.value())
-}
-
 /// All roadside units of a scenario.
 #[derive(Clone, Debug)]
 pub struct Frames {
@@ -51,9 +44,8 @@ pub struct Frames {
     seed: u64,
     range_m: f64,
     period_ns: u64,
-    plane: Plane,
-    /// The ego's route through a net, along which the lanes of the maps lie.
-    axis: Option<Axis>,
+    /// The road, or the ego's route through a net, along which the lanes of the maps lie.
+    pub path: Path,
 }
 
 /// A frame as its unit sends it.
@@ -97,13 +89,7 @@ impl Frames {
             seed: scenario.seed.value(),
             range_m: v2x.range_m.value(),
             period_ns: v2x.period_ms.nanoseconds(),
-            plane: road_plane(&v2x.origin),
-            axis: scenario
-                .traffic
-                .route
-                .as_ref()
-                .and(scenario.road.plan())
-                .map(|plan| plan.axis().clone()),
+            path: Path::of(scenario),
         }
     }
 
@@ -134,17 +120,16 @@ impl Frames {
             sent.push(self.frame(site, Message::Spatem(spatem), &now)?);
             if begun(self.wrong.contradicted_from_s, time_ns) {
                 let other = FIRST_CONTRADICTING_STATION + u32::from(site.intersection);
-                let spatem = site.spatem(other, &now, |_, _| vec![always_green(&now)]);
+                let green_ms = Some(now.utc_ms + (1e3 * NUMBERS.false_green_s) as i64);
+                let green = |_, _: &_| vec![event(Phase::Green, green_ms, &now)];
+                let spatem = site.spatem(other, &now, green);
                 sent.push(self.frame(site, Message::Spatem(spatem), &now)?);
             }
             // The units send their maps in turns.
             let map_period_ns = (1e9 * NUMBERS.map_period_s) as u64;
             if (time_ns + index * self.period_ns) % map_period_ns < self.period_ns {
                 let shift_m = if now.revision > 0 { self.wrong.map_shift_m.value() } else { 0.0 };
-                let mapem = match &self.axis {
-                    Some(axis) => site.mapem_along(axis, station, &now, &self.plane),
-                    None => site.mapem(station, &now, &self.plane, shift_m)?,
-                };
+                let mapem = site.mapem(station, &now, &self.path, shift_m)?;
                 sent.push(self.frame(site, Message::Mapem(mapem), &now)?);
             }
         }
@@ -157,7 +142,7 @@ impl Frames {
             station_type: StationType::RoadsideUnit,
             address: 0x0200_0000_0000 | u64::from(station),
             timestamp: its_timestamp(now.utc_ms) as u32,
-            position: self.plane.position(site.middle_m(), 0.0),
+            position: self.path.plane.position(site.middle_m(), 0.0),
             accurate: true,
             speed: 0,
             heading: 0,
@@ -230,52 +215,6 @@ impl Site {
         };
         Spatem { station_id, intersections: vec![state] }
     }
-
-    /// The stop lines, moved by `shift_m` along the road.
-    fn mapem(
-        &self,
-        station_id: u32,
-        now: &Now,
-        plane: &Plane,
-        shift_m: f64,
-    ) -> Result<Mapem, EncodeError> {
-        let centimetres = |length_m: f64| (100.0 * length_m) as i16;
-        let (lane_cm, width_cm) = (centimetres(NUMBERS.lane_m), centimetres(NUMBERS.lane_width_m));
-        let mut lanes = Vec::new();
-        for ((signal_group, stop_line_m, _), n) in self.signals.iter().zip(0_u8..) {
-            let to_line_m = stop_line_m - self.middle_m();
-            if to_line_m.abs() > NUMBERS.most_to_line_m {
-                let what =
-                    format!("a stop line {to_line_m} m from intersection {}", self.intersection);
-                return Err(EncodeError::Range(what));
-            }
-            let to_line_cm = (to_line_m * 100.0).round() as i16;
-            let node = |along_cm: i16, left_cm: i16| earth_node(plane, along_cm, left_cm);
-            let mut ingress = |id: u8, to_left_cm: i16, maneuver: u16, group: u8| {
-                let nodes = vec![node(to_line_cm, to_left_cm), node(-lane_cm, 0)];
-                lanes.push(ingress_lane(id, nodes, (EXITS, maneuver), group));
-            };
-            ingress(1 + n, 0, STRAIGHT, *signal_group);
-            ingress(TURNING + n, width_cm, LEFT, self.turning_group);
-        }
-        let exit = vec![earth_node(plane, 1000, 0), earth_node(plane, lane_cm, 0)];
-        lanes.push(egress_lane(EXITS, exit));
-        let reference = plane.position(self.middle_m() + shift_m, 0.0);
-        Ok(self.map(station_id, now, reference, lanes))
-    }
-
-    fn map(&self, station_id: u32, now: &Now, reference: Position, lanes: Vec<Lane>) -> Mapem {
-        let geometry = IntersectionGeometry {
-            region: None,
-            id: self.intersection,
-            revision: now.revision,
-            reference,
-            lane_width_cm: Some((100.0 * NUMBERS.lane_width_m) as u16),
-            lanes,
-            unread_lanes: 0,
-        };
-        Mapem { station_id, revision: now.revision, intersections: vec![geometry] }
-    }
 }
 
 /// A lane to an intersection, with the exit that it leads to and the way there.
@@ -287,12 +226,6 @@ fn ingress_lane(id: u8, nodes: Vec<(i16, i16)>, (exit, way): (u8, u16), group: u
 
 fn egress_lane(id: u8, nodes: Vec<(i16, i16)>) -> Lane {
     Lane { id, approach: Approach::Egress(2), maneuvers: 0, nodes, connections: Vec::new() }
-}
-
-/// A node of a lane, east and north of the node before, cm.
-fn earth_node(plane: &Plane, along_cm: i16, left_cm: i16) -> (i16, i16) {
-    let (east_cm, north_cm) = plane.to_earth((along_cm.into(), left_cm.into()));
-    (east_cm.round() as i16, north_cm.round() as i16)
 }
 
 /// The present by the units' clocks.
@@ -360,10 +293,6 @@ fn timed(
         next: None,
     };
     MovementEvent { state, timing: Some(timing) }
-}
-
-fn always_green(now: &Now) -> MovementEvent {
-    event(Phase::Green, Some(now.utc_ms + (1e3 * NUMBERS.false_green_s) as i64), now)
 }
 
 #[cfg(test)]

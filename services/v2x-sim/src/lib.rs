@@ -6,6 +6,7 @@
 //!           └─ all signals, without a range ──────────► truth/signals
 //! plan of the road ─────► map of curves ───────────► v2x/curves
 //! slopes of the road ───► map of grades ───────────► v2x/preview
+//! other egos in SUMO ────► CAMs ─► air, or structs ──► radio/frames, or v2x/motions
 //! frames of another host or a capture ─► link ────────► radio/frames           (radio = "udp://…")
 //! ```
 //!

@@ -4,7 +4,9 @@
 //! lasts for ever.
 
 use bytemuck::Zeroable;
-use messages::{Interval, Lane, Lights, MAX_SIGNALS, PhaseState, Signal, SignalTruth};
+use messages::{
+    AnnouncedMotion, Interval, Lane, Lights, MAX_SIGNALS, PhaseState, Signal, SignalTruth,
+};
 use scenario::v2x::{Phase, V2x};
 
 use crate::numbers::NUMBERS;
@@ -62,6 +64,11 @@ pub fn near(lights: &Lights, ego_m: f64, range_m: f64) -> SignalTruth {
     let all = lights.lanes().iter().zip(lights.signals());
     let near = all.filter(|(lane, _)| is_near(lane, ego_m, range_m));
     told(near.map(|(lane, signal)| (*lane, *signal)))
+}
+
+/// The radio of another simulator's vehicle reaches the ego.
+pub fn is_audible(motion: &AnnouncedMotion, ego_m: f64, range_m: f64) -> bool {
+    motion.station_id > 0 && (motion.rear_position_m - ego_m).abs() <= range_m
 }
 
 fn is_near(lane: &Lane, ego_m: f64, range_m: f64) -> bool {

@@ -5,16 +5,19 @@ use crate::cell_map::CellMap;
 use crate::frames::Frames;
 use crate::link::Link;
 use crate::report::LinkReport;
-use crate::roadside_unit::{RoadsideUnit, near};
+use crate::roadside_unit::{RoadsideUnit, is_audible, near};
 use crate::unit_clock::UnitClock;
 use bytemuck::Zeroable;
 use its::EncodeError;
 use messages::{
-    Curves, EgoTruth, Header, Lights, Map, Origins, Preview, RadioFrames, ServiceState,
-    SignalTruth, Spat,
+    AnnouncedMotions, Curves, EgoTruth, Header, Lights, Map, Odometry, Origins, Preview,
+    RadioFrames, ServiceState, SignalTruth, Spat,
 };
+use obu::awareness::Awareness;
+use obu::clock::Moment;
 use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError, Subscriber};
 use scenario::{Problem, Scenario};
+use std::collections::BTreeMap;
 
 /// Runs the roadside unit in its group, to the end of the run.
 ///
@@ -81,6 +84,7 @@ enum Voice {
     Structs {
         spat: Publisher<Spat>,
         map: Publisher<Map>,
+        motions: Option<Publisher<AnnouncedMotions>>,
     },
     /// Frames through the air, to the on-board unit.
     Frames(Box<Radio>),
@@ -91,9 +95,16 @@ enum Voice {
 impl Voice {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         Ok(match &scenario.v2x.radio {
-            scenario::radio::Radio::Direct => {
-                Self::Structs { spat: runtime.publisher()?, map: runtime.publisher()? }
-            }
+            scenario::radio::Radio::Direct => Self::Structs {
+                spat: runtime.publisher()?,
+                map: runtime.publisher()?,
+                motions: scenario
+                    .traffic
+                    .route
+                    .as_ref()
+                    .map(|_| runtime.publisher())
+                    .transpose()?,
+            },
             scenario::radio::Radio::Frames => {
                 Self::Frames(Box::new(Radio::open(runtime, scenario)?))
             }
@@ -133,7 +144,7 @@ impl Voice {
     ) -> Result<(), RuntimeError> {
         let time_ns = header.acquisition_ns.unsigned_abs();
         match self {
-            Self::Structs { spat, map } => {
+            Self::Structs { spat, map, motions } => {
                 let received = match lights {
                     Some(lights) => near(lights, ego_m, unit.range_m),
                     None => unit.received(time_ns, ego_m),
@@ -145,6 +156,16 @@ impl Voice {
                 spat.send_with(|message| {
                     message.header = header;
                     (message.signals, message.count) = (received.signals, received.count);
+                })?;
+                let Some((motions, lights)) = motions.as_mut().zip(lights) else { return Ok(()) };
+                motions.send_with(|message| {
+                    message.header = header;
+                    let heard = |motion: &&_| is_audible(motion, ego_m, unit.range_m);
+                    let heard = lights.motions.iter().filter(heard);
+                    for (place, motion) in message.motions.iter_mut().zip(heard) {
+                        *place = *motion;
+                        message.count += 1;
+                    }
                 })?;
                 Ok(())
             }
@@ -164,6 +185,9 @@ impl Voice {
 /// The roadside units' frames on their way through the air to the vehicle.
 struct Radio {
     units: Frames,
+    /// The on-board units of the other egos in a net, by station id.
+    vehicles: BTreeMap<u64, Awareness>,
+    scenario: Scenario,
     air: Air,
     frames: Publisher<RadioFrames>,
     utc_start_ns: i64,
@@ -173,6 +197,8 @@ impl Radio {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         Ok(Self {
             units: Frames::new(scenario),
+            vehicles: BTreeMap::new(),
+            scenario: scenario.clone(),
             air: Air::new(&scenario.v2x.air, scenario.seed.value()),
             frames: runtime.publisher()?,
             utc_start_ns: 0,
@@ -194,6 +220,11 @@ impl Radio {
         for frame in sent.map_err(refused)? {
             self.air.send(time_ns, frame.bytes);
         }
+        if let Some(lights) = lights {
+            for frame in self.cams(lights, ego_m, header.acquisition_ns) {
+                self.air.send(time_ns, frame);
+            }
+        }
         let arrived = self.air.arrived(time_ns);
         let utc_start_ns = self.utc_start_ns;
         self.frames.send_with(|message| {
@@ -206,6 +237,25 @@ impl Radio {
             message.left_out = arrived.len() as u64 - message.count;
         })?;
         Ok(())
+    }
+
+    /// The CAMs that the other egos send now.
+    fn cams(&mut self, lights: &Lights, ego_m: f64, now_ns: i64) -> Vec<Vec<u8>> {
+        let Self { vehicles, scenario, utc_start_ns, .. } = self;
+        let moment = Moment { now_ns, utc_start_ns: *utc_start_ns, ahead_ns: 0 };
+        let length_m = scenario.plant.length_m.value();
+        let heard = |motion: &&_| is_audible(motion, ego_m, scenario.v2x.range_m.value());
+        let due = lights.motions.iter().filter(heard).filter_map(|motion| {
+            let id = motion.station_id;
+            let unit = vehicles.entry(id).or_insert_with(|| Awareness::of(scenario, id as u32));
+            let mut odometry = Odometry::zeroed();
+            odometry.header.acquisition_ns = motion.made_ns;
+            odometry.position_m = motion.rear_position_m + length_m;
+            odometry.speed_mps = motion.speed_mps;
+            odometry.acceleration_mps2 = motion.acceleration_mps2;
+            unit.due(&odometry, motion.lateral_m, &moment)
+        });
+        due.collect()
     }
 }
 
@@ -230,9 +280,7 @@ impl Previews {
         let (map, speed_limit_mps) = (&self.map, self.speed_limit_mps);
         self.publisher.send_with(|message: &mut Preview| {
             message.header = header;
-            let ahead = map.ahead(ego_m, &mut message.grades);
-            message.count = ahead.count as u64;
-            message.first_cell_m = ahead.first_cell_m;
+            (message.count, message.first_cell_m) = map.ahead(ego_m, &mut message.grades);
             message.cell_m = map.cell_m;
             message.speed_limit_mps = speed_limit_mps;
         })?;
@@ -256,9 +304,7 @@ impl Bends {
         let map = &self.map;
         self.publisher.send_with(|message: &mut Curves| {
             message.header = header;
-            let ahead = map.ahead(ego_m, &mut message.curvatures);
-            message.count = ahead.count as u64;
-            message.first_cell_m = ahead.first_cell_m;
+            (message.count, message.first_cell_m) = map.ahead(ego_m, &mut message.curvatures);
             message.cell_m = map.cell_m;
         })?;
         Ok(())

@@ -164,6 +164,8 @@ topics! { $
     22 MorePoses "truth/more_poses" Truth, [PerceptionSim] to [Plant];
     /// Sent where SUMO has the traffic and the lights.
     23 Lights "truth/lights" Truth, [PerceptionSim] to [V2xSim];
+    /// Sent with the latter, as `v2x/spat` is.
+    24 AnnouncedMotions "v2x/motions" Function, [Obu, V2xSim] to [Controller];
 }
 
 impl Topic {
@@ -203,21 +205,13 @@ impl Topic {
         self.row().shows
     }
 
-    /// Topic whose first message shows that a restarted process of `service` works.
-    ///
-    /// # Panics
-    /// Never: a test finds the topic of each service.
-    pub fn showing(service: Service) -> Self {
-        let shows = |topic: &Self| topic.row().shows == Some(service);
-        TOPICS.into_iter().find(shows).expect("each service has a topic that shows it")
-    }
-
     /// Topic of the same sender whose message of the same step stands for this one in [`Origins`](crate::Origins).
     pub const fn rides_with(self) -> Option<Self> {
         match self {
             Self::LateralMotion => Some(Self::Odometry),
             Self::Course => Some(Self::RadarTracks),
             Self::Curves => Some(Self::Preview),
+            Self::AnnouncedMotions => Some(Self::Map),
             _ => None,
         }
     }
@@ -274,6 +268,7 @@ mod tests {
             "truth/more_vehicles",
             "truth/more_poses",
             "truth/lights",
+            "v2x/motions",
         ];
         // A later topic gets the next number.
         assert!(topics.into_iter().map(|(number, _)| number).eq(0..TOPICS.len() as u32));
@@ -285,7 +280,8 @@ mod tests {
     #[test]
     fn each_service_publishes_the_topic_that_shows_it() {
         for service in Service::ALL {
-            let topic = Topic::showing(service);
+            let shows = |topic: &Topic| topic.shows() == Some(service);
+            let topic = TOPICS.into_iter().find(shows).expect("each service has one");
             assert!(
                 topic.sources().contains(&service),
                 "{service} does not publish {}",

@@ -73,6 +73,8 @@ layout! {
 /// Most cells of a road preview: 2 km in cells of 50 m, and some that the
 /// vehicle passes meanwhile.
 pub const MAX_PREVIEW_CELLS: usize = 48;
+/// Most other vehicles with a radio.
+pub const MAX_MOTIONS: usize = 8;
 
 layout! {
     /// The road ahead by the map.
@@ -107,7 +109,31 @@ layout! {
         pub lanes: [Lane; MAX_LANES],
     }
 
-    /// Lights as another simulator shows them, the referee's among them: not limited by radio range.
+    /// The motion of another vehicle, which has a radio.
+    pub struct AnnouncedMotion "timegap_msgs/msg/AnnouncedMotion" {
+        /// Station id; 0 in an unused entry.
+        pub station_id: u64,
+        /// Time of the motion, ns of run time.
+        pub made_ns: i64,
+        /// Position of its rear on the ego's axis, m.
+        pub rear_position_m: f64,
+        /// Lateral position of its middle, m, left positive.
+        pub lateral_m: f64,
+        /// Speed, m/s.
+        pub speed_mps: f64,
+        /// Acceleration, m/s².
+        pub acceleration_mps2: f64,
+    }
+
+    /// Motions of the vehicles within radio range, as they announce them.
+    pub message AnnouncedMotions "timegap_msgs/msg/AnnouncedMotions" lists motions: AnnouncedMotion {
+        /// Valid entries of `motions`.
+        pub count: u64,
+        /// The motions; unused entries are 0.
+        pub motions: [AnnouncedMotion; MAX_MOTIONS],
+    }
+
+    /// Lights and vehicles with a radio as another simulator has them: not limited by radio range.
     pub message Lights "timegap_msgs/msg/Lights" lists lanes: Lane, signals: Signal {
         /// Valid entries of `lanes` and `signals`, which belong together by index.
         pub count: u64,
@@ -115,6 +141,8 @@ layout! {
         pub lanes: [Lane; MAX_LANES],
         /// Their signals.
         pub signals: [Signal; MAX_SIGNALS],
+        /// Vehicles with a radio; the station id of an unused entry is 0.
+        pub motions: [AnnouncedMotion; MAX_MOTIONS],
     }
 
     /// All signals as they really are: the referee's copy, not limited by radio range.

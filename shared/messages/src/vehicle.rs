@@ -17,20 +17,21 @@ layout! {
     }
 }
 
-impl Odometry {
-    /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
-    /// sample. Braking ends at standstill.
-    pub fn moved_to(&self, time_s: f64) -> (f64, f64) {
-        let age_s = (time_s - self.header.acquisition_ns as f64 / 1e9).max(0.0);
-        moved(self.position_m, self.speed_mps, self.acceleration_mps2, age_s)
-    }
+macro_rules! moves {
+    ($($motion:ty)+) => {$(
+        impl $motion {
+            /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
+            /// sample. Braking ends at standstill.
+            pub fn moved_to(&self, time_s: f64) -> (f64, f64) {
+                let age_s = (time_s - self.header.acquisition_ns as f64 / 1e9).max(0.0);
+                let (v, a) = (self.speed_mps, self.acceleration_mps2);
+                let moving_s = if a < 0.0 { age_s.min(v / -a) } else { age_s };
+                (self.position_m + v * moving_s + 0.5 * a * moving_s * moving_s, v + a * moving_s)
+            }
+        }
+    )+};
 }
-
-/// Position and speed `age_s` later at constant acceleration; braking ends at standstill.
-fn moved(position_m: f64, v: f64, a: f64, age_s: f64) -> (f64, f64) {
-    let moving_s = if a < 0.0 { age_s.min(v / -a) } else { age_s };
-    (position_m + v * moving_s + 0.5 * a * moving_s * moving_s, v + a * moving_s)
-}
+moves! { Odometry EgoTruth }
 
 layout! {
     /// The ego as it really is, and what it meets.
@@ -58,13 +59,6 @@ layout! {
 }
 
 impl EgoTruth {
-    /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
-    /// sample. Braking ends at standstill.
-    pub fn moved_to(&self, time_s: f64) -> (f64, f64) {
-        let age_s = (time_s - self.header.acquisition_ns as f64 / 1e9).max(0.0);
-        moved(self.position_m, self.speed_mps, self.acceleration_mps2, age_s)
-    }
-
     /// Distance to the next stop line if its signal shows red, m, else infinite.
     pub fn red_line_m(&self) -> f64 {
         let is_red = self.signal_state == PhaseState::StopAndRemain.to_wire();

@@ -8,7 +8,6 @@ use messages::level::{Level, LevelLog};
 /// Mode changes that are kept. Further changes are dropped.
 const MAX_MODE_CHANGES: usize = 4096;
 
-/// A mode change as the loop keeps it.
 #[derive(Clone, Copy)]
 struct Change {
     time_s: f64,
@@ -18,7 +17,6 @@ struct Change {
     figures: [f64; FIGURES],
 }
 
-/// Counts of the cycles so far.
 #[derive(Default)]
 pub struct Account {
     /// Commands that were sent after their deadline.

@@ -2,7 +2,7 @@
 
 use crate::curve_speed::{Cells, CurveSpeed, OwnWay, RoadAhead};
 use crate::law::Input;
-use messages::{Course, Curves, LateralMotion, Origin};
+use messages::{Course, Curves, LateralMotion};
 use runtime::{Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use scenario::sumo_traffic::Limit;
@@ -14,7 +14,7 @@ const STALE_PERIODS: f64 = 4.0;
 pub(super) struct CurveTopics {
     lateral: Subscriber<LateralMotion>,
     course: Subscriber<Course>,
-    map: Subscriber<Curves>,
+    pub(super) map: Subscriber<Curves>,
     stale_s: f64,
     own: OwnWay,
     speed: CurveSpeed,
@@ -44,16 +44,10 @@ impl CurveTopics {
         }))
     }
 
-    /// Takes the newest samples.
     pub(super) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
         runtime.update(&mut self.lateral)?;
         runtime.update(&mut self.course)?;
         runtime.update(&mut self.map)
-    }
-
-    /// Origin of the newest map.
-    pub(super) fn map_origin(&self) -> Origin {
-        self.map.origin()
     }
 
     /// Caps the set speed of `input`. `requested_mps2` is what the last command asked for.

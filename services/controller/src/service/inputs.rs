@@ -1,16 +1,19 @@
 //! The topics that the loop reads.
 
 use super::curves::CurveTopics;
-use messages::{Map, Odometry, Origin, Origins, Powertrain, Preview, RadarTracks, Spat};
+use messages::{
+    AnnouncedMotions, Map, Odometry, Origin, Origins, Powertrain, Preview, RadarTracks, Spat,
+};
 use runtime::{Runtime, RuntimeError, Subscriber};
 use scenario::{Scenario, controller};
 
-/// The topics that the loop reads.
 pub(super) struct Inputs {
     pub(super) odometry: Subscriber<Odometry>,
     pub(super) radar: Subscriber<RadarTracks>,
     pub(super) spat: Subscriber<Spat>,
     pub(super) map: Subscriber<Map>,
+    /// Of the other egos in a net.
+    pub(super) motions: Option<Subscriber<AnnouncedMotions>>,
     /// A truck's alone.
     truck: Option<(Subscriber<Powertrain>, Subscriber<Preview>)>,
     /// Those of a road with a plan.
@@ -18,7 +21,6 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
-    /// Opens the topics that the scenario has.
     pub(super) fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         Ok(Self {
             odometry: runtime.subscriber()?,
@@ -28,6 +30,7 @@ impl Inputs {
             },
             spat: runtime.subscriber()?,
             map: runtime.subscriber()?,
+            motions: scenario.traffic.route.as_ref().map(|_| runtime.subscriber()).transpose()?,
             truck: match scenario.plant.vehicle.is_truck() {
                 true => Some((runtime.subscriber()?, runtime.subscriber()?)),
                 false => None,
@@ -42,6 +45,9 @@ impl Inputs {
         runtime.update(&mut self.odometry)?;
         runtime.update(&mut self.spat)?;
         runtime.update(&mut self.map)?;
+        if let Some(motions) = &mut self.motions {
+            runtime.update(motions)?;
+        }
         if let Some((powertrain, preview)) = &mut self.truck {
             runtime.update(powertrain)?;
             runtime.update(preview)?;
@@ -70,7 +76,7 @@ impl Inputs {
             powertrain: truck.map_or(Origin::NONE, |(powertrain, _)| powertrain.origin()),
             preview: match truck {
                 Some((_, preview)) => preview.origin(),
-                None => self.curves.as_ref().map_or(Origin::NONE, CurveTopics::map_origin),
+                None => self.curves.as_ref().map_or(Origin::NONE, |curves| curves.map.origin()),
             },
         }
     }

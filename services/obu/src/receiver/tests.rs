@@ -424,3 +424,29 @@ fn signed_frames_are_used_as_others_or_counted_alone() {
     broken.truncate(60);
     assert_eq!(receiver.take(&broken, &at(100)), Verdict::Malformed);
 }
+
+#[test]
+fn a_cam_from_a_curve_is_the_motion_at_its_place_until_the_next_one_is_missing() {
+    let arc = road::Piece::Arc { length_m: 300.0, curvature_perm: 0.01 };
+    let axis = road::Axis::narrow(&[arc], 1.0).expect("an axis");
+    let mut unit = Receiver::new(OWN, 1000, plane());
+    unit.path.axis = Some(axis);
+    let text = scenario::builtin::find("corridor").expect("built in").text;
+    let scenario = scenario::Scenario::parse("corridor", text).expect("right");
+    let mut other = crate::awareness::Awareness::of(&scenario, 4712);
+    other.path = unit.path.clone();
+    let mut odometry = messages::Odometry::zeroed();
+    (odometry.position_m, odometry.speed_mps, odometry.acceleration_mps2) = (150.0, 10.0, -3.0);
+    let cam = other.due(&odometry, 1.0, &at(0)).expect("the first one");
+    assert_eq!(unit.take(&cam, &at(50)), Verdict::Accepted);
+    let [motion] = unit.motions[..] else { panic!("{:?}", unit.motions) };
+    assert_eq!((motion.station_id, motion.made_ns), (4712, 0));
+    assert_eq!((motion.speed_mps, motion.acceleration_mps2), (10.0, -3.0));
+    let length_m = scenario.plant.length_m.value();
+    assert!((motion.rear_position_m + length_m - 150.0).abs() < 0.1, "{motion:?}");
+    assert!((motion.lateral_m - 1.0).abs() < 0.1, "{motion:?}");
+    unit.forget(1_200_000_000, 0.0);
+    assert_eq!(unit.motions.len(), 1);
+    unit.forget(1_201_000_000, 0.0);
+    assert!(unit.motions.is_empty());
+}

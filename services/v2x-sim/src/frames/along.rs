@@ -1,12 +1,12 @@
-//! Maps along the ego's way through a net, and the timing of another simulator's lights.
+//! Maps along the ego's way, and the timing of another simulator's lights.
 
-use super::{EXITS, Now, Site, earth_node, egress_lane, ingress_lane, timed};
+use super::{EXITS, Now, Site, TURNING, egress_lane, ingress_lane, timed};
 use crate::numbers::NUMBERS;
-use its::geodesy::Plane;
-use its::mapem::{LEFT, Mapem, RIGHT, STRAIGHT};
+use its::EncodeError;
+use its::mapem::{IntersectionGeometry, LEFT, Mapem, RIGHT, STRAIGHT};
 use its::spatem::MovementEvent;
 use messages::{Lights, PhaseState};
-use road::Axis;
+use obu::lanes::Path;
 use scenario::v2x::Phase;
 
 /// Distance between the nodes of a lane along a curve, m.
@@ -15,46 +15,67 @@ const NODE_M: f64 = 10.0;
 const TURN_RAD: f64 = 0.5;
 
 impl Site {
-    /// The ego's lanes along its way through a net, with the nodes of their curves.
-    pub(super) fn mapem_along(
+    /// The ego's lanes along its way, with the nodes of their curves. The stop lines are moved by `shift_m` along the
+    /// way. On a road without a net a turning lane lies beside each lane.
+    pub(super) fn mapem(
         &self,
-        axis: &Axis,
         station_id: u32,
         now: &Now,
-        plane: &Plane,
-    ) -> Mapem {
-        let point = |p_m: f64| {
-            let pose = axis.pose(p_m);
-            (pose.x_m, pose.y_m)
-        };
-        let reference = point(self.middle_m());
-        let count = (NUMBERS.lane_m / NODE_M) as i32;
-        let nodes = |from_m: f64, step_m: f64| {
-            let mut last = reference;
+        path: &Path,
+        shift_m: f64,
+    ) -> Result<Mapem, EncodeError> {
+        let (middle, is_net) = (path.pose(self.middle_m()), path.axis.is_some());
+        let step_m = if is_net { NODE_M } else { NUMBERS.lane_m };
+        let count = (NUMBERS.lane_m / step_m) as i32;
+        let nodes = |from_m: f64, step_m: f64, left_m: f64| {
+            let mut last = (middle.x_m, middle.y_m);
             let node = |index: i32| {
-                let (x_m, y_m) = point(from_m + f64::from(index) * step_m);
-                let to_cm = |to_m: f64| (100.0 * to_m).round() as i16;
+                let pose = path.pose(from_m + f64::from(index) * step_m);
+                let (x_m, y_m) = pose.to_world(0.0, left_m);
+                let to_cm = |to_m: f64| (100.0 * to_m).round();
                 let cm = (to_cm(x_m - last.0), to_cm(y_m - last.1));
                 // The next node makes up for the rest of rounding.
-                last = (last.0 + f64::from(cm.0) / 100.0, last.1 + f64::from(cm.1) / 100.0);
-                earth_node(plane, cm.0, cm.1)
+                last = (last.0 + cm.0 / 100.0, last.1 + cm.1 / 100.0);
+                let (east_cm, north_cm) = path.plane.to_earth(cm);
+                (east_cm.round() as i16, north_cm.round() as i16)
             };
             (0..=count).map(node).collect::<Vec<_>>()
         };
         let mut lanes = Vec::new();
         for ((signal_group, stop_line_m, _), n) in self.signals.iter().zip(0_u8..) {
+            let to_line_m = stop_line_m - self.middle_m();
+            if !is_net && to_line_m.abs() > NUMBERS.most_to_line_m {
+                let what =
+                    format!("a stop line {to_line_m} m from intersection {}", self.intersection);
+                return Err(EncodeError::Range(what));
+            }
             let exit_m = stop_line_m + 2.0 * NUMBERS.to_middle_m;
-            let turn_rad = axis.heading_rad(exit_m) - axis.heading_rad(stop_line_m - NODE_M);
-            let maneuver = match turn_rad {
+            let before = path.pose(stop_line_m - NODE_M);
+            let way = match path.pose(exit_m).heading_rad - before.heading_rad {
                 left if left > TURN_RAD => LEFT,
                 right if right < -TURN_RAD => RIGHT,
                 _ => STRAIGHT,
             };
-            let entry = nodes(*stop_line_m, -NODE_M);
-            lanes.push(ingress_lane(1 + n, entry, (EXITS + n, maneuver), *signal_group));
-            lanes.push(egress_lane(EXITS + n, nodes(exit_m, NODE_M)));
+            let mut ingress = |id: u8, left_m: f64, way: u16, group: u8| {
+                let nodes = nodes(*stop_line_m, -step_m, left_m);
+                lanes.push(ingress_lane(id, nodes, (EXITS + n, way), group));
+            };
+            ingress(1 + n, 0.0, way, *signal_group);
+            if !is_net {
+                ingress(TURNING + n, NUMBERS.lane_width_m, LEFT, self.turning_group);
+            }
+            lanes.push(egress_lane(EXITS + n, nodes(exit_m, step_m, 0.0)));
         }
-        self.map(station_id, now, plane.position(reference.0, reference.1), lanes)
+        let geometry = IntersectionGeometry {
+            region: None,
+            id: self.intersection,
+            revision: now.revision,
+            reference: path.earth(self.middle_m() + shift_m, 0.0).0,
+            lane_width_cm: Some((100.0 * NUMBERS.lane_width_m) as u16),
+            lanes,
+            unread_lanes: 0,
+        };
+        Ok(Mapem { station_id, revision: now.revision, intersections: vec![geometry] })
     }
 }
 

@@ -33,7 +33,7 @@ fn a_map_leads_back_to_the_stop_line_and_the_signal_of_the_lane() {
         panic!("a map comes at first")
     };
     let geometry = &map.intersections[0];
-    let plane = road_plane(&Origin::default());
+    let plane = frames("").path.plane;
     let middle = plane.point(geometry.reference);
     let straight = &geometry.lanes[0];
     assert!((middle.0 + f64::from(straight.nodes[0].0) / 100.0 - 300.0).abs() < 0.01);
@@ -52,7 +52,7 @@ fn a_road_at_the_date_line_has_its_maps_where_they_belong() {
             for message in read(&frames, 0, None) {
                 let Message::Mapem(map) = message else { continue };
                 let geometry = &map.intersections[0];
-                let (along_m, left_m) = frames.plane.point(geometry.reference);
+                let (along_m, left_m) = frames.path.plane.point(geometry.reference);
                 let place = format!("{longitude_deg} {heading_deg}: {along_m} m");
                 assert!((250.0..1500.0).contains(&along_m) && left_m.abs() < 0.01, "{place}");
             }

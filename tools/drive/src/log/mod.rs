@@ -17,7 +17,7 @@ use further::{Further, Headers, Truths, listen_to};
 use kept_steps::{KeptSteps, MOST_IN_REALTIME};
 use messages::{
     AllVehicles, Brake, BrakeState, Command, Diagnostics, EgoTruth, Header, Heartbeat, Message,
-    Powertrain, RadarTracks, Service, ServiceState, Topic, VehicleTruth,
+    Powertrain, RadarTracks, Service, ServiceState, TOPICS, Topic, VehicleTruth,
 };
 use plane::PlaneTopics;
 use present::{place_at, take_step};
@@ -115,7 +115,7 @@ impl DriveLog {
         };
         let (perception, controller) =
             (timetable.stride(Service::PerceptionSim), timetable.stride(Service::Controller));
-        let others = Service::ALL.map(Topic::showing).into_iter();
+        let others = TOPICS.into_iter().filter(|topic| topic.shows().is_some());
         let others = others.filter(|topic| {
             mode == Mode::Realtime
                 && ![EgoTruth::TOPIC, Command::TOPIC, Brake::TOPIC].contains(topic)
