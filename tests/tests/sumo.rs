@@ -184,6 +184,10 @@ fn a_killed_ego_leaves_the_net_to_the_other() {
     let child = with_sumo(&corner, &[&usual[..], &["--out", "k"]].concat()).spawn();
     let child = child.expect("it starts");
     assert!(wait_for(|| corner.path().join("k/ego-2/live.json").exists()), "both drive");
+    // SUMO waits for each step: after sixty waits both have driven for seconds.
+    let steps = || sumos(&words).into_iter().map(waits).sum::<u64>();
+    let begun = steps();
+    assert!(wait_for(|| steps() >= begun + 60), "it is stepped");
     let run = run_of_ego(&words, 2).expect("it drives").to_string();
     let _ = Command::new("kill").args(["-KILL", &run]).status();
     let output = child.wait_with_output().expect("our child");

@@ -115,7 +115,6 @@ impl Model {
         }
     }
 
-    /// Time of the law's next release, s.
     fn next_release_s(&self) -> f64 {
         self.released as f64 * 1e-3 * f64::from(self.scenario.controller.period_ms.value())
     }
@@ -178,7 +177,6 @@ impl Model {
         deployment.move_on(now_ns, step_ns);
     }
 
-    /// Writes the outputs.
     fn show(&self, values: &mut [f64]) {
         let Some(deployment) = &self.deployment else { return };
         let state = deployment.vehicle.state();

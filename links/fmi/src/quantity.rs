@@ -47,7 +47,6 @@ pub struct Quantity<Q, A> {
     pub names: &'static [&'static str],
 }
 
-/// Way of a quantity.
 pub enum Flow<Q, A> {
     /// To the unit before each step.
     Input(fn(&Q) -> f64),

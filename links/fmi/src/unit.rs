@@ -25,7 +25,6 @@ pub struct Unit<Q: 'static, A: 'static> {
     pub(crate) library: String,
 }
 
-/// Questions and answers of a part.
 pub trait Part<A: 'static>: Sized + 'static {
     const QUANTITIES: &'static [Quantity<Self, A>];
     /// Quantities without which a unit is of no use; alternatives stand in one text.

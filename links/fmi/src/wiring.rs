@@ -5,7 +5,6 @@ use crate::description::{Description, Variable};
 use crate::measure::{ACCELERATION, Measure, dimension_name};
 use crate::quantity::{Flow, Quantity};
 
-/// All wires of a unit.
 pub struct Wiring<Q: 'static, A: 'static> {
     /// Quantities with the variables that have them, and with the measures of these.
     pub wires: Vec<(&'static Quantity<Q, A>, Variable, Measure)>,

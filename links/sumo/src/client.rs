@@ -8,16 +8,16 @@ use std::time::{Duration, Instant};
 
 use crate::lights::{Plan, State};
 use crate::process::{Network, Process};
-use crate::wire::{Answer, Body, Value, read_message, write_message};
+use crate::wire::{Answer, Body, Value, read_message, subscription, write_message};
 use crate::{ProgramError, RADIUS_M};
 
 /// Least version of TraCI: that of SUMO 1.20.
 const VERSION: i32 = 21;
-/// A subscription from before this time to this time lasts for the whole run, s.
-const ALWAYS_S: f64 = 1_073_741_824.0;
 
 /// Variables of a vehicle that a step brings: each costs SUMO a microsecond a vehicle.
 const VEHICLE: [u8; 4] = [0x42, 0x40, 0x43, 0x72];
+/// Length and width of a vehicle.
+const SIZE: [u8; 2] = [0x44, 0x4d];
 /// Variables of a light: state, next switch, phase, time spent in it.
 const LIGHT: [u8; 4] = [0x20, 0x2d, 0x28, 0x38];
 
@@ -31,6 +31,8 @@ const GET_LIGHT: u8 = 0xa2;
 const GET_VEHICLE: u8 = 0xa4;
 const GET_SIMULATION: u8 = 0xab;
 const SET_VEHICLE: u8 = 0xc4;
+/// Answer with a size.
+const SIZE_GIVEN: u8 = 0xb4;
 const SET_ROUTE: u8 = 0xc6;
 
 /// A vehicle as SUMO has it.
@@ -66,13 +68,14 @@ pub struct Client {
     ego: String,
     /// Lengths and widths of vehicles, which do not change, m.
     sizes_m: HashMap<String, [f64; 2]>,
+    /// Vehicles whose size the next step asks for: a question of its own would wait for the other egos.
+    unknown: Vec<String>,
     deadline_s: f64,
     /// Part of the run, for errors.
     when: &'static str,
     /// Commands that were sent: their names.
     sent: Vec<&'static str>,
     out: Vec<u8>,
-    /// When the step was begun.
     begun: Instant,
 }
 
@@ -97,6 +100,7 @@ impl Client {
             stream,
             ego: String::new(),
             sizes_m: HashMap::new(),
+            unknown: Vec::new(),
             deadline_s,
             when: "at its start",
             sent: Vec::new(),
@@ -231,6 +235,7 @@ impl Client {
 
     /// Subscribes to the vehicles around the ego.
     pub fn surround(&mut self) -> Done<()> {
+        self.unknown = self.vehicles()?;
         self.ask(SURROUND, "a subscription", &around(&self.ego, &VEHICLE)).map(drop)
     }
 
@@ -255,6 +260,11 @@ impl Client {
         angle_deg: f64,
         (station_id, acceleration_mps2): (u32, f64),
     ) -> Done<()> {
+        for id in std::mem::take(&mut self.unknown) {
+            for variable in SIZE {
+                self.put(GET_VEHICLE, "a size", &Body::default().byte(variable).text(&id));
+            }
+        }
         if self.process.is_none() {
             let words = Body::default().text(&self.ego).whole(station_id as i32);
             self.put(ANNOUNCE, "its motion", &words.number(acceleration_mps2));
@@ -289,12 +299,24 @@ impl Client {
     pub fn end_step(&mut self) -> Done<Step> {
         self.sent.clear();
         let bytes = self.receive()?;
-        let mut answer = Answer(&bytes);
-        let refusal = answer.refusal()?;
-        if let Some(words) = answer.refusal()? {
-            return Err(ProgramError::Refused("a step", words));
+        let (mut answer, mut step) = (Answer(&bytes), Step::default());
+        loop {
+            let (id, mut body, _) = answer.command()?;
+            if id == SIZE_GIVEN {
+                let (variable, vehicle) = (body.byte()?, body.text()?);
+                let size_m = self.sizes_m.entry(vehicle).or_default();
+                size_m[usize::from(variable == SIZE[1])] = body.value()?.number();
+                continue;
+            }
+            let (result, words) = (body.byte()?, body.text()?);
+            match id {
+                STEP if result == 0 => break,
+                STEP => return Err(ProgramError::Refused("a step", words)),
+                SET_VEHICLE if result != 0 => step.refusal = Some(words),
+                // A vehicle that has left has no size.
+                _ => {}
+            }
         }
-        let mut step = Step { refusal, ..Step::default() };
         for _ in 0..answer.count()? {
             let (kind, mut answer, _) = answer.command()?;
             let subject = answer.text()?;
@@ -324,7 +346,10 @@ impl Client {
                 let Value::Point(front_m) = front else {
                     return Err(ProgramError::Nonsense("a vehicle without a place"));
                 };
-                let [length_m, width_m] = self.size_m(&id)?;
+                let Some(&[length_m, width_m]) = self.sizes_m.get(&id) else {
+                    self.unknown.push(id);
+                    continue;
+                };
                 step.vehicles.push(Vehicle {
                     id,
                     front_m,
@@ -348,24 +373,6 @@ impl Client {
         }
         Ok(step)
     }
-
-    fn size_m(&mut self, id: &str) -> Done<[f64; 2]> {
-        if let Some(known) = self.sizes_m.get(id) {
-            return Ok(*known);
-        }
-        let [length, width] = [0x44, 0x4d].map(|variable| self.get(GET_VEHICLE, variable, id));
-        let size_m = [length?.number(), width?.number()];
-        self.sizes_m.insert(id.to_owned(), size_m);
-        Ok(size_m)
-    }
-}
-
-/// A subscription to variables for the whole run; without variables its end.
-fn subscription(to: impl Fn(Body) -> Body, variables: &[u8]) -> Body {
-    let body = to(Body::default().number(-ALWAYS_S).number(ALWAYS_S));
-    let mut body = body.byte(variables.len() as u8);
-    body.0.extend(variables);
-    body
 }
 
 /// A subscription to the vehicles around one.

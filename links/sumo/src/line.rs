@@ -36,7 +36,6 @@ impl Line {
     }
 }
 
-/// Distance of two points, m.
 pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(b[0] - a[0], b[1] - a[1])
 }

@@ -81,7 +81,6 @@ pub struct Lane {
     pub width_m: f64,
     /// Its middle, in the direction of its traffic.
     pub shape: Vec<[f64; 2]>,
-    /// Cars may use it.
     pub drivable: bool,
 }
 
@@ -134,7 +133,6 @@ impl Net {
         Ok(Self { file, edges, connections })
     }
 
-    /// An error about the net.
     pub fn refuse(&self, reason: impl Display, expected: impl Display) -> ReadError {
         let reason = format!("{reason}, expected {expected}");
         ReadError::File { file: self.file.clone(), reason }

@@ -27,7 +27,6 @@ const LATERAL_MPS2: f64 = 1.8;
 /// Least way between two stop lines, m.
 const APART_M: f64 = 0.1;
 
-/// A speed limit from a place on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limit {
     /// Place on the axis, m.
@@ -49,9 +48,7 @@ pub struct Route {
     pub start: Pose,
     /// Lines of the lanes along the axis.
     pub lines: LaneLines,
-    /// Speed limits in the order of their places.
     pub limits: Vec<Limit>,
-    /// Lights in the order of their stop lines.
     pub lights: Vec<Light>,
     /// Remarks for a person, a sentence each.
     pub notes: Vec<String>,

@@ -39,14 +39,12 @@ pub struct Seat {
 }
 
 impl Seat {
-    /// The seat that this process was given.
     pub fn given() -> Option<Self> {
         let text = std::env::var(SEAT).ok()?;
         let (port, number) = text.split_once(' ')?;
         Some(Self { port: port.parse().ok()?, number: number.parse().ok()? })
     }
 
-    /// Connects the run to it.
     pub(crate) fn take(self, deadline_s: f64) -> Result<Client, ProgramError> {
         let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port));
         let stream = stream.map_err(ProgramError::start("a seat at SUMO"))?;

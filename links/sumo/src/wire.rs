@@ -6,6 +6,8 @@ use crate::ProgramError;
 
 /// Longest message, bytes: the vehicles around the ego take a few thousand.
 const MOST_BYTES: usize = 64 << 20;
+/// A subscription from before this time to this time lasts for the whole run, s.
+const ALWAYS_S: f64 = 1_073_741_824.0;
 /// Deepest nesting of a compound value.
 const MOST_DEPTH: u32 = 8;
 
@@ -97,7 +99,14 @@ impl Body {
     }
 }
 
-/// An answer that is being read.
+/// A subscription to variables for the whole run; without variables its end.
+pub fn subscription(to: impl Fn(Body) -> Body, variables: &[u8]) -> Body {
+    let body = to(Body::default().number(-ALWAYS_S).number(ALWAYS_S));
+    let mut body = body.byte(variables.len() as u8);
+    body.0.extend(variables);
+    body
+}
+
 pub struct Answer<'a>(pub &'a [u8]);
 
 type Done<T> = Result<T, ProgramError>;
@@ -172,7 +181,6 @@ impl<'a> Answer<'a> {
         Ok(values)
     }
 
-    /// A value behind its type.
     pub fn value(&mut self) -> Done<Value> {
         self.nested(0)
     }

@@ -41,7 +41,6 @@ pub struct Settings {
     pub seed: u64,
     /// Time that SUMO drives without the ego, s.
     pub begin_s: f64,
-    /// Longest wait for an answer, s.
     pub deadline_s: f64,
     /// Length and width of the ego, m.
     pub ego_m: (f64, f64),
@@ -49,7 +48,6 @@ pub struct Settings {
     pub speed_mps: f64,
     /// Station id of the ego's radio.
     pub station_id: u32,
-    /// Most vehicles at a time.
     pub most: usize,
     /// Waits for the answer of a step at once.
     pub waits: bool,
