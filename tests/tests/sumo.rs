@@ -147,7 +147,7 @@ fn a_killed_sumo_ends_both_egos() {
     let grid = own_grid(&corner);
     let words = corner.path().display().to_string();
     let usual = ["run", &grid, "--ego", "through", "--egos", "2", "--duration", "3000"];
-    let rest = ["--set", "set_speed_mps=1", "--out", "k"];
+    let rest = ["--out", "k"];
     let child = with_sumo(&corner, &[&usual[..], &rest].concat()).spawn().expect("it starts");
     let drives = || corner.path().join("k/ego-2/live.json").exists();
     assert!(wait_for(drives), "both drive");

@@ -36,7 +36,6 @@ parameters! {
     }
 }
 
-/// A time in s as ns.
 pub(crate) fn nanoseconds(time_s: f64) -> i64 {
     (time_s * 1e9) as i64
 }

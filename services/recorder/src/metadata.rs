@@ -174,7 +174,6 @@ fn read_under<T: DeserializeOwned>(
     values.collect()
 }
 
-/// Entries that are texts.
 const TEXTS: [&str; 8] = [
     "program",
     "layout_version",

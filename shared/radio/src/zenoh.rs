@@ -129,7 +129,6 @@ fn send_all(departures: &Receiver<Vec<u8>>, publisher: &Publisher<'_>, shared: &
 /// Input of the receive thread: a packet, or the end.
 type Arrival = Option<Vec<u8>>;
 
-/// The receiving end.
 pub(crate) struct ZenohEndpoint {
     heard: Receiver<Arrival>,
     questions: Publisher<'static>,

@@ -246,7 +246,7 @@ fn unused<const N: usize>(
 }
 
 /// The first fault that acts on a topic.
-fn aimed_at(scenario: &Scenario, topic: Topic) -> Option<usize> {
+pub(crate) fn aimed_at(scenario: &Scenario, topic: Topic) -> Option<usize> {
     let aimed = |fault: &Fault| fault.effect.target() == Target::Topic(topic);
     scenario.faults.iter().position(aimed)
 }

@@ -12,6 +12,7 @@
 
 use std::path::Path;
 
+use messages::Topic;
 use road::LaneLines;
 pub use sumo::{Limit, Route};
 
@@ -93,6 +94,8 @@ fn unused(scenario: &Scenario) -> Result<(), Problem> {
     }
     refuse!(if scenario.traffic.ego.is_some(),
         "traffic.ego": "traffic.ego has no effect without SUMO", "traffic.sumo");
+    refuse!(if let Some(index) = crate::check::aimed_at(scenario, Topic::AnnouncedMotions),
+        "faults.{index}.topic": "nothing is sent on `v2x/motions` without SUMO", "traffic.sumo");
     refuse!(if let Some(index) = scenario.actors.iter().position(is_place),
         "actors.{index}.profile": "SUMO does not have the traffic", "traffic.sumo");
     Ok(())
