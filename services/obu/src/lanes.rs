@@ -35,7 +35,6 @@ pub struct Path {
 }
 
 impl Path {
-    /// The road of a scenario.
     pub fn of(scenario: &Scenario) -> Self {
         let net = scenario.traffic.route.as_ref().and(scenario.road.plan());
         Self { plane: road_plane(&scenario.v2x.origin), axis: net.map(|plan| plan.axis().clone()) }

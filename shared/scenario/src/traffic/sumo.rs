@@ -188,3 +188,16 @@ fn signals(route: &sumo::Route) -> Result<Vec<Signal>, Problem> {
     }
     Ok(signals)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::Scenario;
+
+    #[test]
+    fn a_fault_of_announced_motions_needs_sumo() {
+        let fault = "[[faults]]\nkind = \"drop\"\ntopic = \"v2x/motions\"\nat_s = 0\nfor_s = 1\n";
+        let text = format!("schema_version = 1\nname = \"t\"\n{fault}");
+        let refused = Scenario::parse("t", &text).expect_err("without SUMO").to_string();
+        assert!(refused.contains("nothing is sent on `v2x/motions` without SUMO"), "{refused}");
+    }
+}
