@@ -216,7 +216,6 @@ pub(super) fn child<'v>(value: &'v Value, step: &str) -> Option<&'v Value> {
     }
 }
 
-/// A value in words.
 fn found(value: &Value) -> String {
     match value {
         Value::String(text) => Unexpected::Str(text).to_string(),
