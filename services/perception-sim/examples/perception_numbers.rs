@@ -148,7 +148,7 @@ impl Drive {
             add_acceleration(scene, &list, &mut sums.acceleration);
             if self.condition != Condition::Blind {
                 let truly = if self.condition == Condition::Misses { 1.0 - MISSED } else { 1.0 };
-                sums.share.0 += (tracker.seen_share() - truly).abs();
+                sums.share.0 += (tracker.sight.share() - truly).abs();
                 sums.share.1 += 1.0;
             }
             if scene.told != Some(scene.ego) {

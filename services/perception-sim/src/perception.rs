@@ -257,7 +257,7 @@ impl Perception {
 
     /// Share of the expected detections that the radar gives; 1 with exact tracks.
     pub fn seen_share(&self) -> f64 {
-        self.tracker().map_or(1.0, Tracker::seen_share)
+        self.tracker().map_or(1.0, |tracker| tracker.sight.share())
     }
 
     /// The road ahead as the tracker estimates it; `None` with exact tracks.

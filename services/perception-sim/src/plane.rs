@@ -127,7 +127,7 @@ impl PlanePorts {
     ) -> Result<(), RuntimeError> {
         self.course.send_with(|message| {
             message.header = header;
-            if let Some(ahead) = ahead.filter(|ahead| !ahead.course().is_straight()) {
+            if let Some(ahead) = ahead.filter(|ahead| !ahead.course().is_straight) {
                 write(message, ahead);
             }
         })?;

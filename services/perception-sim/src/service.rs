@@ -81,7 +81,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let acquired = Header { acquisition_ns: list.acquisition_ns, ..header };
-        let measured = perception.ego_speed.measured();
+        let measured = perception.ego_speed.measured;
         let seen_share = perception.seen_share();
         tracks.send_with(|message| {
             write_tracks(message, acquired, &list, measured);

@@ -6,13 +6,11 @@
 //! uniform. So the mean of two wanders over all of the distance D between their middles, with the variance D²/12. The
 //! mean of one vehicle stays on its body.
 //!
-//! A track therefore keeps the logarithm of the likelihood ratio of one body to two, and the outermost places. The
-//! bodies are at the outermost places, and the room between is unknown, until the ratio is for one body
-//! ([`Numbers::one_body`]). If the resolution keeps neighbouring lanes apart, a track is one body unless its scatter
-//! contradicts.
+//! A track therefore keeps the logarithm of the likelihood ratio of one body to two. Its place is unknown until the
+//! ratio is for one body, or until the resolution keeps neighbouring lanes apart.
 //!
-//! The price: the middle one of three abreast, in the ego's lane, counts late. It has to be resolved first, or to
-//! need more than comfortable braking.
+//! The price: a vehicle in the ego's lane with one abreast counts late. It has to be resolved first, or to need more than
+//! comfortable braking.
 //!
 //! Source of the scatter of unresolved targets: Blair and Brandt-Pearce, Unresolved Rayleigh target
 //! detection using monopulse measurements, IEEE Trans. Aerospace and Electronic Systems 34 (1998) 543.
@@ -20,83 +18,45 @@
 use scenario::event::VEHICLE_WIDTH_M;
 
 use super::longitudinal::Measured;
-use super::numbers::Numbers;
+
+/// Least distance between the middles of vehicles in both neighbouring lanes, m: two lanes of 3 m.
+const LEAST_APART_M: f64 = 6.0;
+/// Logarithm of the likelihood ratio from which a track is one body: 55 to 1.
+const ONE_BODY: f64 = 4.0;
+/// Most of it that is kept: a few distant places do not make two of one body.
+const MOST: f64 = 6.0;
 
 /// Evidence from a track's scatter across the lanes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Abreast {
-    /// It was found to be one body.
-    one: bool,
+    is_one: bool,
     /// Logarithm of the likelihood ratio of one body to two.
     evidence: f64,
-    /// The outermost measured positions, m.
-    right_m: f64,
-    left_m: f64,
-    scans: u32,
-}
-
-impl Default for Abreast {
-    fn default() -> Self {
-        let (right_m, left_m) = (f64::INFINITY, f64::NEG_INFINITY);
-        Self { one: false, evidence: 0.0, right_m, left_m, scans: 0 }
-    }
 }
 
 impl Abreast {
-    /// Takes a measured lateral position beside the predicted one. `cell_m` is the width over which the
-    /// azimuth's resolution merges echoes at the range.
-    pub fn observe(
-        &mut self,
-        measured: Measured,
-        predicted: Measured,
-        cell_m: f64,
-        numbers: &Numbers,
-    ) {
+    /// Takes a measured lateral position beside the predicted one. `cell_m` is the width over which the azimuth's
+    /// resolution merges echoes at the range.
+    pub fn observe(&mut self, measured: Measured, predicted: Measured, cell_m: f64) {
         let apart_m = cell_m + VEHICLE_WIDTH_M;
-        if apart_m < numbers.least_apart_m && self.evidence >= 0.0 {
-            self.one = true;
+        if apart_m < LEAST_APART_M && self.evidence >= 0.0 {
+            self.is_one = true;
             return;
         }
         let off_m = measured.value - predicted.value;
         let one_m2 = measured.variance + predicted.variance;
         // Mean of D²/12 over all distances of two that merge.
-        let least_m = numbers.least_apart_m;
-        let most_m = apart_m.max(least_m);
+        let (least_m, most_m) = (LEAST_APART_M, apart_m.max(LEAST_APART_M));
         let two_m2 = one_m2 + (least_m * least_m + least_m * most_m + most_m * most_m) / 36.0;
         let squared = 0.5 * off_m * off_m;
         self.evidence += 0.5 * libm::log(two_m2 / one_m2) - squared / one_m2 + squared / two_m2;
-        self.evidence = self.evidence.clamp(numbers.least_evidence, numbers.most_evidence);
-        self.one = self.evidence >= if self.one { 0.0 } else { numbers.one_body };
-        self.right_m = self.right_m.min(measured.value);
-        self.left_m = self.left_m.max(measured.value);
-        self.scans = self.scans.saturating_add(1);
-    }
-
-    /// Place of the body nearest to the ego's axis if there are several, m; `None` while it is unknown. The mean of
-    /// two is between them. So one is at its rightmost place or beyond, the other at its leftmost. `others` says on
-    /// which sides (right, left) the body is one that has a track of its own.
-    pub fn nearest_of_several_m(&self, others: (bool, bool), numbers: &Numbers) -> Option<f64> {
-        if self.evidence >= 0.0 || self.scans < numbers.enough_scans {
-            return None;
-        }
-        match others {
-            (true, true) => None,
-            (true, false) => Some(self.left_m),
-            (false, true) => Some(self.right_m),
-            (false, false) if self.right_m.abs() < self.left_m.abs() => Some(self.right_m),
-            (false, false) => Some(self.left_m),
-        }
-    }
-
-    /// Moves the outermost places by `by_m`, with the axis from which they are measured.
-    pub fn shift(&mut self, by_m: f64) {
-        self.right_m += by_m;
-        self.left_m += by_m;
+        self.evidence = self.evidence.clamp(-ONE_BODY, MOST);
+        self.is_one = self.evidence >= if self.is_one { 0.0 } else { ONE_BODY };
     }
 
     /// It is known to be one body.
     pub fn is_one(&self) -> bool {
-        self.one
+        self.is_one
     }
 }
 
@@ -105,6 +65,7 @@ mod tests {
     use super::super::lateral;
     use super::*;
     use crate::random::Random;
+    use crate::tracking::numbers::Numbers;
 
     const NUMBERS: &Numbers = &Numbers::DEFAULT;
 
@@ -129,7 +90,7 @@ mod tests {
             filter.predict(0.05, NUMBERS);
             let sigma_m = filter.position_sigma_m();
             let predicted = Measured::new(filter.position_m(), sigma_m);
-            abreast.observe(measured, predicted, CELL_M, NUMBERS);
+            abreast.observe(measured, predicted, CELL_M);
             filter.update(measured, NUMBERS);
         }
         abreast
@@ -145,13 +106,6 @@ mod tests {
         (0..RUNS).filter(|seed| holds(&follow(places, scans, *seed))).count()
     }
 
-    fn in_path(abreast: &Abreast) -> bool {
-        abreast.is_one()
-            || abreast
-                .nearest_of_several_m((false, false), NUMBERS)
-                .is_some_and(|y_m| y_m.abs() < 1.6)
-    }
-
     #[test]
     fn one_vehicle_is_one_body_within_half_a_second() {
         for scans in [10, 40] {
@@ -165,15 +119,15 @@ mod tests {
     #[test]
     fn two_in_the_neighbouring_lanes_are_not_before_the_ego() {
         for scans in [10, 20, 30, 40] {
-            let before = count(&[-3.5, 3.5], scans, in_path);
+            let before = count(&[-3.5, 3.5], scans, Abreast::is_one);
             assert!(before < 20, "{before} after {scans}");
         }
     }
 
     #[test]
-    fn the_one_of_two_that_is_before_the_ego_counts() {
-        let before = count(&[0.0, 3.5], 40, in_path);
-        assert!(before > 340, "{before}");
+    fn one_in_the_lane_with_one_beside_it_is_not_one_body_either() {
+        let one = count(&[0.0, 3.5], 40, Abreast::is_one);
+        assert!(one < 100, "{one}");
     }
 
     #[test]
@@ -181,12 +135,12 @@ mod tests {
         let resolved_m = 2.0;
         let at = |value: f64| Measured::new(value, 0.4);
         let mut one = Abreast::default();
-        one.observe(at(0.3), at(0.0), resolved_m, NUMBERS);
+        one.observe(at(0.3), at(0.0), resolved_m);
         assert!(one.is_one());
         let mut two = follow(&[-3.5, 3.5], 20, 1);
-        two.observe(at(3.3), at(3.0), resolved_m, NUMBERS);
+        two.observe(at(3.3), at(3.0), resolved_m);
         assert!(!two.is_one());
-        (0..12).for_each(|_| two.observe(at(3.3), at(3.2), resolved_m, NUMBERS));
+        (0..12).for_each(|_| two.observe(at(3.3), at(3.2), resolved_m));
         assert!(two.is_one(), "it has settled on one of them");
     }
 
@@ -196,18 +150,14 @@ mod tests {
         let two_m2 = 0.25 + (36.0 + 48.0 + 64.0) / 36.0;
         let (measured, predicted) = (Measured::new(1.0, 0.4), Measured::new(0.0, 0.3));
         let mut abreast = Abreast::default();
-        abreast.observe(measured, predicted, 6.2, NUMBERS);
+        abreast.observe(measured, predicted, 6.2);
         let once = 0.5 * libm::log(two_m2 / 0.25) - 0.5 / 0.25 + 0.5 / two_m2;
         assert!((abreast.evidence - once).abs() < 1e-12, "{abreast:?}");
-        assert_eq!((abreast.right_m, abreast.left_m, abreast.scans), (1.0, 1.0, 1));
-        abreast.observe(Measured::new(-1.0, 0.4), predicted, 6.2, NUMBERS);
+        abreast.observe(Measured::new(-1.0, 0.4), predicted, 6.2);
         assert!((abreast.evidence - 2.0 * once).abs() < 1e-12, "{abreast:?}");
-        assert_eq!((abreast.right_m, abreast.left_m, abreast.scans), (-1.0, 1.0, 2));
-        abreast.shift(0.5);
-        assert_eq!((abreast.right_m, abreast.left_m), (-0.5, 1.5));
         // A cell with room for less than 6 m counts as one of 6 m.
         let mut narrow = Abreast { evidence: -1.0, ..Abreast::default() };
-        narrow.observe(predicted, predicted, 1.0, NUMBERS);
+        narrow.observe(predicted, predicted, 1.0);
         let two_m2 = 0.18 + 3.0;
         assert!((narrow.evidence + 1.0 - 0.5 * libm::log(two_m2 / 0.18)).abs() < 1e-12);
     }
@@ -215,9 +165,9 @@ mod tests {
     #[test]
     fn it_becomes_one_body_at_four_and_stops_being_one_below_nought() {
         let at = |value: f64| Measured::new(value, 0.3);
-        let after = |one: bool, evidence: f64, off_m: f64| {
-            let mut abreast = Abreast { one, evidence, ..Abreast::default() };
-            abreast.observe(at(off_m), at(0.0), 6.2, NUMBERS);
+        let after = |is_one: bool, evidence: f64, off_m: f64| {
+            let mut abreast = Abreast { is_one, evidence };
+            abreast.observe(at(off_m), at(0.0), 6.2);
             (abreast.is_one(), abreast.evidence)
         };
         // An echo in the middle speaks for one body by 0.5 ln(4.291 / 0.18) = 1.586.
@@ -231,23 +181,9 @@ mod tests {
         let at = Measured::new(0.0, 0.3);
         let one = |cell_m: f64, evidence: f64| {
             let mut abreast = Abreast { evidence, ..Abreast::default() };
-            abreast.observe(at, at, cell_m, NUMBERS);
+            abreast.observe(at, at, cell_m);
             abreast.is_one()
         };
         assert!(one(4.19, 0.0) && !one(4.21, 0.0) && !one(4.19, -0.1));
-    }
-
-    #[test]
-    fn the_nearest_of_several_is_known_after_enough_scans_that_speak_for_two() {
-        let two = Abreast { evidence: -1.0, right_m: -2.0, left_m: 3.0, scans: 24, one: false };
-        let nearest = |abreast: Abreast| abreast.nearest_of_several_m((false, false), NUMBERS);
-        assert_eq!(nearest(two), Some(-2.0));
-        assert_eq!(nearest(Abreast { right_m: -4.0, ..two }), Some(3.0));
-        assert_eq!(nearest(Abreast { scans: 23, ..two }), None);
-        assert_eq!(nearest(Abreast { evidence: 0.0, ..two }), None);
-        let beside = |others: (bool, bool)| two.nearest_of_several_m(others, NUMBERS);
-        assert_eq!(beside((true, false)), Some(3.0));
-        assert_eq!(beside((false, true)), Some(-2.0));
-        assert_eq!(beside((true, true)), None);
     }
 }

@@ -11,6 +11,7 @@
 //! distance d from the course. The range rate is the one that the same motion would have there.
 
 use messages::Detection;
+use scenario::event::VEHICLE_WIDTH_M;
 
 use super::course::Course;
 use super::motion::Motion;
@@ -70,7 +71,7 @@ impl Point {
 
     /// The point of a straight road on a course.
     pub fn on(self, course: &Course, detection: &Detection, ego: &Motion) -> Self {
-        if course.is_straight() {
+        if course.is_straight {
             return self;
         }
         let (ego_mps, (cosine, sine)) = (ego.speed_mps, self.direction);
@@ -101,7 +102,6 @@ impl Point {
 /// The outline that a track predicts, with its uncertainty.
 #[derive(Clone, Copy, Debug)]
 pub struct Outline {
-    pub place: usize,
     /// The vehicle that the radar knows it to be.
     pub vehicle: Option<usize>,
     /// It is confirmed.
@@ -132,10 +132,8 @@ impl Outline {
         let off_y = ((point.y_m - self.lateral_m).abs() - self.half_width_m).max(0.0);
         let variance_x = self.variances[0] + point.range_variance + body;
         let variance_y = self.variances[1] + point.lateral_variance + body;
-        let beyond_m = match self.is_on_side(point, numbers) {
-            true => numbers.beyond_along_side_m,
-            false => numbers.beyond_m,
-        };
+        let shows_side = self.aspect_m.abs() > VEHICLE_WIDTH_M;
+        let beyond_m = if shows_side { numbers.beyond_along_side_m } else { numbers.beyond_m };
         let off_x = (-along_m).max(along_m - self.length_m - beyond_m).max(0.0);
         let (x, y) = (off_x * off_x / variance_x, off_y * off_y / variance_y);
         if x > position_gate || y > position_gate {
@@ -150,31 +148,23 @@ impl Outline {
         let penalty = if self.confirmed { 0.0 } else { numbers.tentative_penalty };
         (rate <= gate * gate).then_some(x + y + rate + penalty)
     }
-
-    /// A point is on the line of the side that the vehicle shows to the ego.
-    fn is_on_side(&self, point: &Point, numbers: &Numbers) -> bool {
-        let side_m = self.lateral_m - self.half_width_m * self.aspect_m.signum();
-        let sigma_m = (self.variances[1] + point.lateral_variance).sqrt();
-        let margin_m = numbers.side_line_m + numbers.likely_sigma * sigma_m;
-        self.aspect_m.abs() > numbers.side_shown_m && (point.y_m - side_m).abs() < margin_m
-    }
 }
 
-/// Gives every point to the track of its vehicle, or to the one with the nearest outline.
+/// Gives every point to the track of its vehicle, or to the one with the nearest outline. Outlines are in the order of
+/// the tracks.
 pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64, numbers: &Numbers) {
     for point in points {
         if point.vehicle.is_some() {
-            let own = outlines.iter().find(|outline| outline.vehicle == point.vehicle);
-            point.owner = own.map(|outline| outline.place);
+            point.owner = outlines.iter().position(|outline| outline.vehicle == point.vehicle);
             continue;
         }
         let mut nearest = f64::INFINITY;
-        for outline in outlines {
+        for (place, outline) in outlines.iter().enumerate() {
             if let Some(distance) = outline.distance(point, gate, numbers)
                 && distance < nearest
             {
                 nearest = distance;
-                point.owner = Some(outline.place);
+                point.owner = Some(place);
             }
         }
     }
@@ -182,10 +172,9 @@ pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64, numbers:
 
 /// Lets go of the points on one side of a track whose points are farther apart than a vehicle is wide. They are of two
 /// vehicles abreast. It keeps those on the side on which it is expected.
-pub fn part(points: &mut [Point], outline: &Outline, numbers: &Numbers) {
-    let own = |point: &&Point| point.owner == Some(outline.place);
+pub fn part(points: &mut [Point], place: usize, expected_m: f64, numbers: &Numbers) {
     let (mut right_m, mut left_m, mut variance) = (f64::INFINITY, f64::NEG_INFINITY, 0.0f64);
-    for point in points.iter().filter(own) {
+    for point in points.iter().filter(|point| point.owner == Some(place)) {
         right_m = right_m.min(point.y_m);
         left_m = left_m.max(point.y_m);
         variance = variance.max(point.lateral_variance);
@@ -194,12 +183,9 @@ pub fn part(points: &mut [Point], outline: &Outline, numbers: &Numbers) {
         return;
     }
     let middle_m = 0.5 * (left_m + right_m);
-    let is_left = outline.lateral_m > middle_m;
-    for point in points.iter_mut().filter(|point| point.owner == Some(outline.place)) {
-        if (point.y_m > middle_m) != is_left {
-            point.owner = None;
-        }
-    }
+    let is_left = expected_m > middle_m;
+    let others = points.iter_mut().filter(|point| (point.y_m > middle_m) != is_left);
+    others.filter(|point| point.owner == Some(place)).for_each(|point| point.owner = None);
 }
 
 #[cfg(test)]

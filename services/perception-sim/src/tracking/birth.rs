@@ -4,12 +4,12 @@
 //! where the belief about the road allows it.
 //! There a standing object is an obstacle. The track needs twice the scans to be confirmed. Standing echoes elsewhere
 //! count as roadside. A vehicle that has been tracked while it moved stays a track when it stops. Nothing begins three
-//! lanes off ([`super::mirror`]).
+//! lanes off ([`Numbers::farthest_m`]): it cannot come before the ego soon, and most mirror images in a guard rail are
+//! there. A nearer image has its vehicle's speed, beside the ego's way.
 //!
 //! A detection whose vehicle the radar knows begins a track wherever it is, and counts as a vehicle that has moved.
 
 use super::association::Point;
-use super::mirror;
 use super::numbers::Numbers;
 use super::sighting::Sighting;
 
@@ -31,7 +31,7 @@ pub fn find(
         let stands_aside = !moves(point, numbers) && is_aside(point);
         if point.owner.is_none()
             && point.vehicle.is_none()
-            && (stands_aside || mirror::is_too_far(point, numbers))
+            && (stands_aside || point.y_m.abs() > numbers.farthest_m)
         {
             point.owner = Some(NO_TRACK);
         }
@@ -65,21 +65,14 @@ const NO_TRACK: usize = usize::MAX;
 const NEW_TRACK: usize = usize::MAX - 1;
 
 fn together(a: &Point, b: &Point, numbers: &Numbers) -> bool {
-    let (width_m, rate_mps) = noise(a, b, numbers);
+    // Noise alone sets points apart.
+    let sigma_m = (a.lateral_variance + b.lateral_variance).sqrt();
+    let sigma_mps = (a.range_rate_variance + b.range_rate_variance).sqrt();
+    let width_m = numbers.cluster_width_m + numbers.likely_sigma * sigma_m;
+    let rate_mps = numbers.cluster_rate_mps + numbers.surely_sigma * sigma_mps;
     (b.x_m - a.x_m).abs() < numbers.cluster_length_m
-        && (b.y_m - a.y_m).abs() < numbers.cluster_width_m + width_m
-        && differ_mps(a, b) < numbers.cluster_rate_mps + rate_mps
-}
-
-fn differ_mps(a: &Point, b: &Point) -> f64 {
-    (b.relative_speed_mps(0.0) - a.relative_speed_mps(0.0)).abs()
-}
-
-/// Largest distance that noise alone may set between two points, m across the lanes, and m/s in speed.
-fn noise(a: &Point, b: &Point, numbers: &Numbers) -> (f64, f64) {
-    let lateral_m = (a.lateral_variance + b.lateral_variance).sqrt();
-    let rate_mps = (a.range_rate_variance + b.range_rate_variance).sqrt();
-    (numbers.likely_sigma * lateral_m, numbers.surely_sigma * rate_mps)
+        && (b.y_m - a.y_m).abs() < width_m
+        && (b.relative_speed_mps(0.0) - a.relative_speed_mps(0.0)).abs() < rate_mps
 }
 
 #[cfg(test)]

@@ -28,8 +28,9 @@ const AHEAD: Node =
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
-    is_straight: bool,
-    heading_rad: f64,
+    pub is_straight: bool,
+    /// Heading at the bumper in the body's axes, rad.
+    pub heading_rad: f64,
     nodes: [Node; NODES],
 }
 
@@ -72,15 +73,6 @@ impl Course {
             node.curvature_perm = to_perm;
         }
         course
-    }
-
-    pub fn is_straight(&self) -> bool {
-        self.is_straight
-    }
-
-    /// Heading at the bumper in the body's axes, rad.
-    pub fn heading_rad(&self) -> f64 {
-        self.heading_rad
     }
 
     /// Curvature, 1/m, left positive.

@@ -30,8 +30,8 @@ pub struct EgoSpeed {
     ranges_m: Vec<f64>,
     /// The last estimate and its time, ns.
     last: Option<(f64, i64)>,
-    /// Measurement of the last scan.
-    measured: Option<(f64, u64)>,
+    /// Measurement of the last scan, m/s, and the detections behind it.
+    pub measured: Option<(f64, u64)>,
     disagrees: u32,
 }
 
@@ -46,11 +46,6 @@ impl EgoSpeed {
             measured: None,
             disagrees: 0,
         }
-    }
-
-    /// The measurement of the last scan, m/s, and the detections behind it.
-    pub fn measured(&self) -> Option<(f64, u64)> {
-        self.measured
     }
 
     /// Takes the scan of `time_ns`; `told` is the motion by odometry. Objects off the course are off the lane. Returns
@@ -68,12 +63,12 @@ impl EgoSpeed {
             |elapsed_s: f64| numbers.stand_noise_mps + numbers.ego_change_mps2 * elapsed_s;
         let known = self.last.or_else(|| told.map(|told| (told.speed_mps, time_ns)));
         self.vote(course, told, detections);
-        let elapsed_s = known.map_or(0.0, |(_, then_ns)| (time_ns - then_ns) as f64 * 1e-9);
         let (near, least) = match known {
-            Some((last_mps, _)) if elapsed_s <= numbers.forgotten_s => {
-                (near(&self.votes, last_mps, reach_mps(elapsed_s)), numbers.least_points)
+            Some((last_mps, then_ns)) => {
+                let reach_mps = reach_mps((time_ns - then_ns) as f64 * 1e-9);
+                (near(&self.votes, last_mps, reach_mps), numbers.least_points)
             }
-            _ => (densest(&self.votes, numbers.stand_noise_mps), numbers.least_unbound),
+            None => (densest(&self.votes, numbers.stand_noise_mps), numbers.least_unbound),
         };
         self.measured = median_mps(near)
             .filter(|_| near.len() >= least as usize)

@@ -4,19 +4,10 @@ use messages::Detection;
 
 use super::course::Course;
 use super::list::Track;
-use super::numbers::Numbers;
 use super::track::DetectedTrack;
-use crate::radar::scene::Ego;
 
-/// A track's entry in the list. One that is lost in the path continues its motion. One that is not seen has the
-/// direction in which it is expected.
-pub(super) fn entry(
-    track: &DetectedTrack,
-    ego: &Ego,
-    course: &Course,
-    detections: &[Detection],
-    numbers: &Numbers,
-) -> Track {
+/// A track's entry in the list. One that is not seen has the direction in which it is expected.
+pub(super) fn entry(track: &DetectedTrack, course: &Course, detections: &[Detection]) -> Track {
     let estimate = track.along.estimate();
     let mut entry = Track {
         id: track.id,
@@ -31,11 +22,6 @@ pub(super) fn entry(
         in_path: track.membership.in_path(),
         ..Track::default()
     };
-    if let Some(lost) = track.lost(numbers) {
-        entry.gap_m = lost.gap_m.max(0.0);
-        entry.relative_speed_mps = lost.speed_mps - ego.speed_mps;
-        entry.acceleration_mps2 = lost.acceleration_mps2;
-    }
     match detections.get(track.nearest).filter(|_| track.is_seen()) {
         Some(detection) => {
             entry.range_m = detection.range_m;
@@ -57,9 +43,15 @@ mod tests {
     use bytemuck::Zeroable;
 
     use super::super::association::tests::point;
-    use super::super::longitudinal::{Maneuver, Model};
+    use super::super::longitudinal::{Maneuver, Model, Step};
+    use super::super::numbers::Numbers;
     use super::super::sighting::Sighting;
     use super::*;
+    use crate::radar::scene::Ego;
+
+    fn step(dt_s: f64) -> Step {
+        Step { dt_s, ego: Ego { speed_mps: 20.0, ..Ego::default() } }
+    }
 
     const NUMBERS: Numbers = Numbers::DEFAULT;
 
@@ -76,15 +68,13 @@ mod tests {
             azimuth_rad: 0.07,
             ..Detection::zeroed()
         };
-        let ego = Ego { speed_mps: 20.0, ..Ego::default() };
-        let of =
-            |track: &DetectedTrack, course: &Course| entry(track, &ego, course, &[seen], &NUMBERS);
+        let of = |track: &DetectedTrack, course: &Course| entry(track, course, &[seen]);
         let found = of(&track, &Course::STRAIGHT);
         assert!(found.measured && !found.in_path && found.id == 9);
         assert_eq!((found.range_m, found.range_rate_mps, found.azimuth_rad), (40.2, -1.9, 0.07));
         assert_eq!((found.gap_m, found.relative_speed_mps, found.lateral_m), (40.0, -2.0, 3.0));
         assert_eq!((found.length_m, found.width_m), (4.5, 1.8));
-        track.predict(&model, &model.step(0.5, 0.0));
+        track.predict(&model, &step(0.5));
         let found = of(&track, &Course::STRAIGHT);
         assert!(!found.measured && (found.gap_m - 39.0).abs() < 1e-12);
         assert!((found.range_m - libm::hypot(39.0, 3.0)).abs() < 1e-12);
@@ -96,7 +86,7 @@ mod tests {
         let (x_m, y_m) = (197.0 * libm::sin(turn), 200.0 - 197.0 * libm::cos(turn));
         assert!((curve.azimuth_rad - libm::atan2(y_m, x_m)).abs() < 1e-6, "{curve:?}");
         // A gap is never negative.
-        track.predict(&model, &model.step(30.0, 0.0));
+        track.predict(&model, &step(30.0));
         assert_eq!(of(&track, &Course::STRAIGHT).gap_m, 0.0);
     }
 }

@@ -24,7 +24,7 @@ const LEAST_WEIGHT: f64 = 1e-4;
 pub struct Bank<const N: usize, const M: usize> {
     filters: [Gaussian<N>; M],
     /// Probability of each model.
-    weights: [f64; M],
+    pub(super) weights: [f64; M],
     combined: Gaussian<N>,
 }
 

@@ -23,6 +23,7 @@
 
 use super::interacting::Bank;
 use super::numbers::Numbers;
+use crate::radar::scene::Ego;
 use kalman::Gaussian;
 use scenario::Scenario;
 
@@ -50,19 +51,11 @@ pub struct Model {
     numbers: Numbers,
 }
 
-/// A time step, with what depends on its length alone.
+/// A time step, over which the ego has a constant acceleration.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    dt_s: f64,
-    kept: [f64; MODELS],
-    change: [f64; MODELS],
-    ego_acceleration_mps2: f64,
-}
-
-impl Step {
-    pub fn dt_s(&self) -> f64 {
-        self.dt_s
-    }
+    pub dt_s: f64,
+    pub ego: Ego,
 }
 
 /// Estimate of one vehicle's motion.
@@ -115,16 +108,6 @@ impl Model {
         &self.numbers
     }
 
-    /// A step of `dt_s` over which the ego has a constant acceleration.
-    pub fn step(&self, dt_s: f64, ego_acceleration_mps2: f64) -> Step {
-        Step {
-            dt_s,
-            kept: self.maneuvers.map(|maneuver| libm::exp(-dt_s / maneuver.tau_s)),
-            change: SOJOURNS_S.map(|sojourn_s| (dt_s / sojourn_s).min(0.5)),
-            ego_acceleration_mps2,
-        }
-    }
-
     /// A filter that starts with one measurement.
     pub fn start(&self, range: Measured, range_rate: Measured) -> Filter {
         let mean = [range.value, range_rate.value, 0.0];
@@ -135,21 +118,38 @@ impl Model {
     }
 
     fn advance(&self, model: usize, step: &Step, state: &mut Gaussian<3>) {
-        let (dt_s, r) = (step.dt_s, step.kept[model]);
+        let Maneuver { sigma_mps2, tau_s } = self.maneuvers[model];
+        let (dt_s, r) = (step.dt_s, libm::exp(-step.dt_s / tau_s));
         let half = 0.5 * dt_s * dt_s;
-        let a = state.mean[2] - step.ego_acceleration_mps2;
+        let a = state.mean[2] - step.ego.acceleration_mps2;
         state.mean[0] += state.mean[1] * dt_s + a * half;
         state.mean[1] += a * dt_s;
         state.mean[2] *= r;
         let f = [[1.0, dt_s, half], [0.0, 1.0, dt_s], [0.0, 0.0, r]];
-        let sigma = self.maneuvers[model].sigma_mps2;
-        state.spread(&f, &[half, dt_s, 1.0], sigma * sigma * (1.0 - r * r));
+        state.spread(&f, &[half, dt_s, 1.0], sigma_mps2 * sigma_mps2 * (1.0 - r * r));
     }
 }
 
 impl Filter {
     pub fn predict(&mut self, model: &Model, step: &Step) {
-        self.0.predict(&step.change, |index, state| model.advance(index, step, state));
+        let change = SOJOURNS_S.map(|sojourn_s| (step.dt_s / sojourn_s).min(0.5));
+        self.0.predict(&change, |index, state| model.advance(index, step, state));
+    }
+
+    /// Moves on a vehicle that is lost.
+    ///
+    /// The models lose an acceleration within seconds. Behind a lead that braked when it was lost, that would be a
+    /// prediction on the unsafe side. So the last motion is carried on: it brakes on if it braked, and keeps its speed
+    /// otherwise, until it stands.
+    pub fn carry_on(&mut self, model: &Model, step: &Step) {
+        let braking_mps2 = self.estimate().acceleration_mps2.min(0.0);
+        let stands_mps = -step.ego.speed_mps;
+        self.predict(model, step);
+        self.0.change(|state| {
+            let drives = state.mean[1] > stands_mps;
+            state.mean[1] = state.mean[1].max(stands_mps);
+            state.mean[2] = if drives { braking_mps2 } else { 0.0 };
+        });
     }
 
     /// Takes in a measurement of range and range rate. One outside its gate is left out; true if both are within.

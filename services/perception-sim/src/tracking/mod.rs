@@ -2,7 +2,7 @@
 //!
 //! [`interacting`] is a bank of Kalman filters. [`longitudinal`] and [`lateral`] are the vehicles' models, and [`path`]
 //! selects those in the ego's way. [`tracker`] works on the detections of either radar, on the [`course`] that [`belief`]
-//! finds. Its parts are [`association`], [`birth`], [`mirror`] and [`track`]. It hands out a [`TrackList`].
+//! finds. Its parts are [`association`], [`birth`] and [`track`]. It hands out a [`TrackList`].
 
 pub mod abreast;
 pub mod association;
@@ -16,7 +16,6 @@ pub mod interacting;
 pub mod lateral;
 pub mod list;
 pub mod longitudinal;
-pub mod mirror;
 pub mod motion;
 pub mod numbers;
 pub mod path;

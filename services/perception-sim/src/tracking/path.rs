@@ -10,9 +10,8 @@
 //! changes lanes, has the probability of the scan.
 //!
 //! A track also counts as within the entry limit if its body comes before the ego's in less than `predict_s`, by its
-//! lateral motion. So a cut-in is recognised before the bodies overlap. A track that the ego will have passed by then
-//! stays out. So does a track that it will be beside by then, even with a cruise control's hardest braking. Braking only
-//! makes the time beside it longer.
+//! lateral motion. So a cut-in is recognised before the bodies overlap. A track that the ego will be beside by then, or
+//! before, stays out, even with a cruise control's hardest braking. Braking only makes the time beside it longer.
 
 use scenario::perception::TargetSelection;
 
@@ -54,14 +53,12 @@ pub struct Approach {
     pub gap_m: f64,
     /// Speed of the track minus the ego's, m/s.
     pub relative_speed_mps: f64,
-    /// Length of the track, m.
-    pub length_m: f64,
 }
 
 impl Across {
     /// A position without a motion.
     pub fn resting(lateral_m: f64) -> Self {
-        let approach = Approach { gap_m: f64::INFINITY, relative_speed_mps: 0.0, length_m: 0.0 };
+        let approach = Approach { gap_m: f64::INFINITY, relative_speed_mps: 0.0 };
         Self {
             lateral_m,
             speed_mps: 0.0,
@@ -71,9 +68,7 @@ impl Across {
             approach,
         }
     }
-}
 
-impl Across {
     /// The same beside a path that is believed. The standard deviation of the path's heading, as a lateral speed, is
     /// `crossing_mps`.
     pub fn on_course(self, in_way: f64, crossing_mps: f64) -> Self {
@@ -83,7 +78,7 @@ impl Across {
 }
 
 /// Braking that is comfortable, m/s².
-const COMFORT_MPS2: f64 = 2.5;
+pub(super) const COMFORT_MPS2: f64 = 2.5;
 /// Hardest braking that a law asks for, m/s²: the default of `controller.min_request_mps2`. A track that needs more is as
 /// late as it can be, so that the price ends there. Else each vehicle beside the way is worth braking as it comes near.
 const HARDEST_MPS2: f64 = 6.0;
@@ -117,12 +112,7 @@ impl Approach {
         closing_mps * closing_mps / (2.0 * self.gap_m.max(1.0))
     }
 
-    /// True if the ego has passed the track in `time_s` with both speeds constant.
-    fn is_passed_in(&self, time_s: f64, numbers: &Numbers) -> bool {
-        self.gap_m + self.relative_speed_mps * time_s < -(self.length_m + numbers.ego_length_m)
-    }
-
-    /// True if the ego is beside the track in `time_s` even if it brakes.
+    /// True if the ego is beside the track or before it in `time_s` even if it brakes.
     fn is_beside_in(&self, time_s: f64, numbers: &Numbers) -> bool {
         let braked_s = (time_s - numbers.braking_late_s).max(0.0);
         let gained_m = 0.5 * numbers.cruise_braking_mps2 * braked_s * braked_s;
@@ -158,14 +148,20 @@ impl PathLimits {
     pub fn observe(&self, membership: &mut Membership, across: &Across, dt_s: f64) {
         let in_way = across.in_way.map(|now| membership.weigh(now, across, dt_s));
         let (enters, stays) = self.within(&Across { in_way, ..*across });
-        if enters || self.cuts_in(across) {
+        let Numbers { wandering_mps, inward_sigma, course_inward_sigma, .. } = self.numbers;
+        // Corrections of an estimated course last for some scans, and look like a motion across it.
+        let sigma = if in_way.is_some() { course_inward_sigma } else { inward_sigma };
+        let moves_mps = wandering_mps.max(sigma * across.speed_sigma_mps);
+        if enters || self.comes(across, moves_mps, self.predict_s) {
             membership.within_s += dt_s;
             // Sums of periods miss their total by a rounding.
             membership.in_path |= membership.within_s >= self.confirm_s - 1e-9;
             membership.beyond_s = 0.0;
         } else {
             membership.within_s = 0.0;
-            let is_beyond = !stays && !self.still_comes(across);
+            // One that was taken for its motion goes on with it, if more slowly.
+            let still_comes = || self.comes(across, 0.5 * wandering_mps, 2.0 * self.predict_s);
+            let is_beyond = !stays && !still_comes();
             membership.beyond_s = if is_beyond { membership.beyond_s + dt_s } else { 0.0 };
             // The course lags behind a curve's begin, and takes the lead out of the path for some scans.
             let waits_s = if in_way.is_some() { self.numbers.course_leave_s } else { 0.0 };
@@ -183,34 +179,16 @@ impl PathLimits {
         (offset_m <= self.enter_m, offset_m <= self.leave_m)
     }
 
-    /// The lateral motion will take the body before the ego's in less than `predict_s`.
-    fn cuts_in(&self, across: &Across) -> bool {
-        let Numbers { wandering_mps, inward_sigma, course_inward_sigma, .. } = self.numbers;
-        // Corrections of an estimated course last for some scans, and look like a motion across it.
-        let inward_sigma = if across.in_way.is_some() { course_inward_sigma } else { inward_sigma };
+    /// A lateral motion of more than `least_mps` takes the body before the ego's in less than `time_s`, and braking helps
+    /// then: the ego is not beside it in spite of braking.
+    fn comes(&self, across: &Across, least_mps: f64, time_s: f64) -> bool {
         let inward_mps = -across.speed_mps * across.lateral_m.signum();
-        inward_mps > wandering_mps.max(inward_sigma * across.speed_sigma_mps)
-            && across.lateral_m.abs() - inward_mps * self.predict_s < VEHICLE_WIDTH_M
-            && !braking_is_vain(across, inward_mps, &self.numbers)
+        let off_m = across.lateral_m.abs() - VEHICLE_WIDTH_M;
+        let comes_s = off_m / inward_mps;
+        inward_mps > least_mps
+            && comes_s < time_s
+            && !(comes_s > 0.0 && across.approach.is_beside_in(comes_s, &self.numbers))
     }
-
-    /// A track that was taken into the path for its motion goes on with it, if more slowly.
-    fn still_comes(&self, across: &Across) -> bool {
-        let inward_mps = -across.speed_mps * across.lateral_m.signum();
-        let reach_m = 2.0 * self.predict_s * inward_mps;
-        inward_mps > 0.5 * self.numbers.wandering_mps
-            && across.lateral_m.abs() - reach_m < VEHICLE_WIDTH_M
-            && !braking_is_vain(across, inward_mps, &self.numbers)
-    }
-}
-
-/// Braking does not help then. When the track's body comes before the ego's, the ego has passed it, or is beside it in
-/// spite of braking.
-fn braking_is_vain(across: &Across, inward_mps: f64, numbers: &Numbers) -> bool {
-    let comes_s = (across.lateral_m.abs() - VEHICLE_WIDTH_M) / inward_mps;
-    comes_s > 0.0
-        && (across.approach.is_passed_in(comes_s, numbers)
-            || across.approach.is_beside_in(comes_s, numbers))
 }
 
 impl Membership {

@@ -126,7 +126,7 @@ impl RoadAhead {
     pub fn clothoid(&self) -> [f64; 3] {
         const FAR_M: f64 = 100.0;
         let course = self.course();
-        let (heading_rad, curvature_perm) = (course.heading_rad(), course.curvature_perm(0.0));
+        let (heading_rad, curvature_perm) = (course.heading_rad, course.curvature_perm(0.0));
         let bent_m = course.place(FAR_M, 0.0).1 - heading_rad * FAR_M;
         let rate_perm2 =
             (bent_m - 0.5 * curvature_perm * FAR_M * FAR_M) * 6.0 / (FAR_M * FAR_M * FAR_M);
@@ -165,7 +165,7 @@ mod tests {
         }
         let belief = ahead.belief().expect("it looks ahead");
         assert_eq!(belief.used(), (0, 2), "two pairs of the trail");
-        assert!(!ahead.course().is_straight());
+        assert!(!ahead.course().is_straight);
         assert_eq!(ahead.sigma_m(50.0), belief.sigma_m(50.0));
         assert!(ahead.sigma_m(10.0) > 0.05 && ahead.sigma_m(100.0) > 2.0 * ahead.sigma_m(10.0));
         let point_m = ahead.course().place(50.0, 1.0);
@@ -181,7 +181,7 @@ mod tests {
             find_blind(&mut ahead, &motion);
         });
         assert!((ahead.course().curvature_perm(50.0) - 0.005).abs() < 1e-6);
-        assert_eq!(ahead.course().heading_rad(), 0.01);
+        assert_eq!(ahead.course().heading_rad, 0.01);
         assert!(ahead.belief().is_none(), "the limits of a straight road select the target");
         assert!((ahead.sigma_m(100.0) - libm::hypot(1.2, 1.5)).abs() < 1e-9);
     }
@@ -191,7 +191,7 @@ mod tests {
         let numbers = &Numbers::DEFAULT;
         let straight = RoadAhead::new(Sources::default());
         let aside = |d_m: f64| straight.is_aside((60.0, d_m), 0.2, numbers);
-        assert!(aside(2.1) && !aside(-1.9) && straight.course().is_straight());
+        assert!(aside(2.1) && !aside(-1.9) && straight.course().is_straight);
         assert!(straight.sigma_m(50.0) == 0.0 && straight.belief().is_none());
         let mut doubtful = RoadAhead::new(TRAILS);
         let motion = motion(0.0);

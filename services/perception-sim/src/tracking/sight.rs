@@ -9,8 +9,8 @@
 //!           Σ w · expected        w: exp(-age / memory)
 //! ```
 //!
-//! A radar that sees nothing at all has nothing to compare. The map predicts posts then. If none comes over
-//! [`Numbers::blind_s`], though [`Numbers::promised`] were to be seen, the share is 0.
+//! A radar that sees nothing at all has nothing to compare. The map predicts posts then. If none comes, though
+//! [`Numbers::promised`] were to be seen, the share is 0.
 //!
 //! ```
 //! use perception_sim::tracking::numbers::Numbers;
@@ -79,7 +79,7 @@ pub struct Sight {
     /// Posts that a scan should show according to the map.
     promised_per_scan: f64,
     strong_db: f64,
-    unseen_s: f64,
+    /// Posts that were promised since a scan showed a post or a vehicle.
     promised: f64,
 }
 
@@ -92,7 +92,6 @@ impl Sight {
             posts: Vec::with_capacity(MAX_POSTS),
             promised_per_scan: 2e-3 * posts_per_km * numbers.reach_m,
             strong_db: threshold_db + numbers.strong_db,
-            unseen_s: 0.0,
             promised: 0.0,
         }
     }
@@ -104,7 +103,7 @@ impl Sight {
 
     /// Takes that this scan showed a tracked vehicle, wherever: a near one hides all posts.
     pub fn saw_a_vehicle(&mut self) {
-        self.unseen_s = 0.0;
+        self.promised = 0.0;
     }
 
     /// Takes the posts of a scan, `dt_s` after the one before, of an ego with `ego_mps`. Allocates nothing.
@@ -126,9 +125,7 @@ impl Sight {
         for &(before_m, y_m) in &self.posts {
             let x_m = before_m - ego_mps * dt_s;
             let (ahead_m, left_m) = course.place(x_m, y_m);
-            let is_in_view =
-                ahead_m > 0.0 && libm::atan2(left_m.abs(), ahead_m) < view.half_rad - view.edge_rad;
-            if is_in_view {
+            if view.shows(ahead_m, left_m) {
                 let again = points.iter().any(|point| {
                     (point.x_m - x_m).abs() < numbers.post_along_m
                         && (point.y_m - y_m).abs() < numbers.post_across_m
@@ -146,18 +143,12 @@ impl Sight {
                 self.posts.push((point.x_m, point.y_m));
             }
         }
-        self.unseen_s = if any { 0.0 } else { self.unseen_s + dt_s };
-        self.promised =
-            if self.unseen_s > 0.0 { self.promised + self.promised_per_scan } else { 0.0 };
+        self.promised = if any { 0.0 } else { self.promised + self.promised_per_scan };
     }
 
     /// Share of the expected detections that came.
     pub fn share(&self) -> f64 {
-        if self.unseen_s >= self.numbers.blind_s && self.promised >= self.numbers.promised {
-            0.0
-        } else {
-            self.share.value()
-        }
+        if self.promised >= self.numbers.promised { 0.0 } else { self.share.value() }
     }
 }
 

@@ -6,9 +6,8 @@ use super::course::Course;
 use super::lateral;
 use super::longitudinal::{Filter, Measured, Model, Step};
 use super::numbers::Numbers;
-use super::path::{Across, Approach, Membership};
+use super::path::{Across, Approach, COMFORT_MPS2, Membership};
 use super::sighting::Sighting;
-use crate::radar::scene::Ego;
 
 /// Scans in the history.
 const REMEMBERED: u32 = 32;
@@ -42,8 +41,6 @@ pub struct DetectedTrack {
     /// Scans since its beginning, at most [`REMEMBERED`].
     age: u32,
     misfits: u32,
-    /// Its motion since it was lost in the path.
-    lost: Option<Lost>,
 }
 
 /// Hits that a track needs.
@@ -81,9 +78,9 @@ pub struct FieldOfView {
 }
 
 impl FieldOfView {
-    /// True if a vehicle at this place is well within the field of view.
-    pub fn surely_shows(&self, gap_m: f64, lateral_m: f64) -> bool {
-        gap_m > 1.0 && libm::atan2(lateral_m.abs(), gap_m) < self.half_rad - 2.0 * self.edge_rad
+    /// True if a place is well within the field of view.
+    pub fn shows(&self, x_m: f64, y_m: f64) -> bool {
+        x_m > 1.0 && libm::atan2(y_m.abs(), x_m) < self.half_rad - self.edge_rad
     }
 }
 
@@ -91,7 +88,7 @@ impl DetectedTrack {
     /// A track that begins with a sighting.
     pub fn begin(model: &Model, sighting: &Sighting, moved: bool) -> Self {
         let numbers = model.numbers();
-        let (range, rate) = (sighting.range(numbers), sighting.relative_speed(numbers));
+        let (range, rate) = (sighting.range(numbers), sighting.relative_speed());
         let lateral = sighting.lateral(numbers.first_width_m, numbers);
         Self {
             id: 0,
@@ -108,15 +105,17 @@ impl DetectedTrack {
             history: 1,
             age: 1,
             misfits: 0,
-            lost: None,
         }
     }
 
     /// Moves the track on to the next scan.
     pub fn predict(&mut self, model: &Model, step: &Step) {
-        self.along.predict(model, step);
-        self.across.predict(step.dt_s(), model.numbers());
-        self.unseen_s += step.dt_s();
+        match self.is_lost(model.numbers()) {
+            true => self.along.carry_on(model, step),
+            false => self.along.predict(model, step),
+        }
+        self.across.predict(step.dt_s, model.numbers());
+        self.unseen_s += step.dt_s;
         self.history <<= 1;
         self.age = (self.age + 1).min(REMEMBERED);
     }
@@ -126,8 +125,7 @@ impl DetectedTrack {
         &mut self,
         model: &Model,
         sighting: &Sighting,
-        view: &FieldOfView,
-        course: &Course,
+        (view, course): (&FieldOfView, &Course),
     ) -> Measured {
         let numbers = model.numbers();
         let seen = sighting.lateral(self.width_m, numbers);
@@ -135,13 +133,16 @@ impl DetectedTrack {
         self.observe_motion(sighting.ground_mps.abs(), numbers);
         self.history |= 1;
         self.nearest = sighting.nearest;
-        let (range, range_rate) = (sighting.range(numbers), sighting.relative_speed(numbers));
+        let (range, range_rate) = (sighting.range(numbers), sighting.relative_speed());
+        let (x_m, y_m) = course.place(range.value, self.across.position_m());
         let fits = self.along.update(model, range, range_rate);
         self.misfits = if fits { 0 } else { self.misfits + 1 };
         let cell_m = range.value * view.resolution_rad;
-        self.abreast.observe(seen, self.across.position(), cell_m, numbers);
-        let lateral = self.lateral(sighting, range.value, (view, course), numbers);
-        self.across.update(lateral, numbers);
+        self.abreast.observe(seen, self.across.position(), cell_m);
+        // The edge of the field of view cuts off the side that is farther out.
+        let is_cut_off = !view.shows(x_m, y_m.abs() + 0.5 * self.width_m);
+        let inner = || sighting.lateral_by_side(self.width_m, y_m.signum(), numbers);
+        self.across.update(if is_cut_off { inner() } else { seen }, numbers);
         self.extend(sighting, range.value, numbers);
         if self.misfits >= numbers.misfits {
             self.along = model.start(range, range_rate);
@@ -156,7 +157,7 @@ impl DetectedTrack {
         if self.id == 0 {
             self.moved &= ground_mps > 0.5 * numbers.standing_mps;
         } else {
-            self.moved |= ground_mps > numbers.moving_mps;
+            self.moved |= ground_mps > numbers.standing_mps;
         }
     }
 
@@ -168,24 +169,6 @@ impl DetectedTrack {
     /// Its place on the course: arc length of the rear and distance to the left, m.
     pub fn place(&self) -> (f64, f64) {
         (self.along.estimate().gap_m, self.across.position_m())
-    }
-
-    /// Lateral position by a sighting of the rear.
-    fn lateral(
-        &self,
-        sighting: &Sighting,
-        rear_m: f64,
-        (view, course): (&FieldOfView, &Course),
-        numbers: &Numbers,
-    ) -> Measured {
-        let lateral_m = self.across.position_m();
-        let (x_m, y_m) = course.place(rear_m, lateral_m);
-        let outer_rad = libm::atan2(y_m.abs() + 0.5 * self.width_m, x_m);
-        if outer_rad > view.half_rad - view.edge_rad {
-            // The edge of the field of view cuts off the side that is farther out.
-            return sighting.lateral_by_side(self.width_m, y_m.signum(), numbers);
-        }
-        sighting.lateral(self.width_m, numbers)
     }
 
     /// Takes over the motion of a younger track of the same vehicle. That one must be nearer to the rear, or be seen
@@ -232,17 +215,14 @@ impl DetectedTrack {
     pub fn shift(&mut self, before: &Course, after: &Course) {
         let lateral_m = self.across.position_m();
         let (x_m, y_m) = before.place(self.along.estimate().gap_m, lateral_m);
-        let by_m = after.locate(x_m, y_m).d_m - lateral_m;
-        self.across.shift(by_m);
-        self.abreast.shift(by_m);
+        self.across.shift(after.locate(x_m, y_m).d_m - lateral_m);
     }
 
     /// The outline for association.
-    pub fn outline(&self, place: usize, course: &Course) -> Outline {
+    pub fn outline(&self, course: &Course) -> Outline {
         let estimate = self.along.estimate();
         let (lateral, speed) = (self.across.position_sigma_m(), self.across.speed_sigma_mps());
         Outline {
-            place,
             vehicle: self.vehicle,
             confirmed: self.id != 0,
             rear_m: estimate.gap_m,
@@ -261,19 +241,22 @@ impl DetectedTrack {
         }
     }
 
+    /// Place and motion across the lanes. The place of what may be several bodies is unknown while there is time to find
+    /// out: the middle of two is not a vehicle.
     pub fn across(&self) -> Across {
         let estimate = self.along.estimate();
+        let approach =
+            Approach { gap_m: estimate.gap_m, relative_speed_mps: estimate.relative_speed_mps };
+        if !self.abreast.is_one() && approach.braking_mps2() < COMFORT_MPS2 {
+            return Across::resting(f64::INFINITY);
+        }
         Across {
             lateral_m: self.across.position_m(),
             speed_mps: self.across.speed_mps(),
             speed_sigma_mps: self.across.speed_sigma_mps(),
             in_way: None,
             drives: false,
-            approach: Approach {
-                gap_m: estimate.gap_m,
-                relative_speed_mps: estimate.relative_speed_mps,
-                length_m: self.length_m,
-            },
+            approach,
         }
     }
 
@@ -281,26 +264,12 @@ impl DetectedTrack {
         self.history & 1 == 1
     }
 
-    /// Carries its motion on while it is not seen in the ego's path, `dt_s` after the scan before.
-    pub fn watch(&mut self, dt_s: f64, ego: &Ego) {
-        if self.is_seen() || self.id == 0 || !self.membership.in_path() {
-            self.lost = None;
-        } else if let Some(lost) = &mut self.lost {
-            lost.carry_on(dt_s, ego);
-        } else if self.age == REMEMBERED {
-            // A short one may be noise: nothing is to be carried on.
-            let estimate = self.along.estimate();
-            self.lost = Some(Lost {
-                gap_m: estimate.gap_m,
-                speed_mps: (ego.speed_mps + estimate.relative_speed_mps).max(0.0),
-                acceleration_mps2: estimate.acceleration_mps2.min(0.0),
-            });
-        }
-    }
-
-    /// Its motion, if it was lost in the path for more than chance misses.
-    pub fn lost(&self, numbers: &Numbers) -> Option<&Lost> {
-        self.lost.as_ref().filter(|_| self.unseen_s > numbers.chance_s)
+    /// It was lost in the ego's path, for more than chance misses. A short one may be noise: nothing is to be carried on.
+    pub fn is_lost(&self, numbers: &Numbers) -> bool {
+        self.id != 0
+            && self.age == REMEMBERED
+            && self.unseen_s > numbers.chance_s
+            && self.membership.in_path()
     }
 
     fn hits(&self, scans: u32) -> u32 {
@@ -321,40 +290,11 @@ impl DetectedTrack {
             let scans = self.age.min(factor * life.scans);
             return scans - self.hits(scans) > factor * (life.scans - life.hits);
         }
-        if self.lost.is_some() {
+        if self.is_lost(numbers) {
             return self.unseen_s > numbers.lost_s.max(life.coast_s);
         }
         let rarely = self.age == REMEMBERED && self.hits(REMEMBERED) < 2 * life.hits;
         self.unseen_s > life.coast_s + 1e-9 || rarely
-    }
-}
-
-/// The motion of a vehicle in the ego's path that is not seen any more.
-///
-/// A filter loses an acceleration within seconds. Behind a lead that braked when it was lost, that would be a
-/// prediction on the unsafe side. So the last motion is carried on: it brakes on if it braked, and keeps its speed
-/// otherwise, until it stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lost {
-    /// Bumper-to-bumper distance, m.
-    pub gap_m: f64,
-    pub speed_mps: f64,
-    /// Acceleration, m/s², at most 0.
-    pub acceleration_mps2: f64,
-}
-
-impl Lost {
-    /// Moves on by `dt_s` ahead of `ego`.
-    pub fn carry_on(&mut self, dt_s: f64, ego: &Ego) {
-        let braking = -self.acceleration_mps2;
-        let moving_s = if braking > 0.0 { (self.speed_mps / braking).min(dt_s) } else { dt_s };
-        let driven_m = self.speed_mps * moving_s - 0.5 * braking * moving_s * moving_s;
-        let stops = braking > 0.0 && moving_s < dt_s;
-        self.speed_mps = if stops { 0.0 } else { self.speed_mps - braking * moving_s };
-        if stops {
-            self.acceleration_mps2 = 0.0;
-        }
-        self.gap_m += driven_m - ego.speed_mps * dt_s;
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Each scan moves all tracks on and gives every detection to a track ([`super::association`]). Each track takes in
 //! its detections ([`super::track`]), and the rest begins tracks ([`super::birth`]). Then tracks of one vehicle are
-//! united, mirror images end ([`super::mirror`]), and tracks are confirmed or end. A step allocates nothing.
+//! united, and tracks are confirmed or end. A step allocates nothing.
 //!
 //! A radar that gives an object list knows the vehicle of each detection, and measures the middle of its rear. Such a
 //! detection belongs to the track of its vehicle, and begins one that needs no confirmation.
@@ -18,8 +18,7 @@ use super::association::{Outline, Point, associate, part};
 use super::birth;
 use super::entry::entry;
 use super::list::TrackList;
-use super::longitudinal::{Measured, Model};
-use super::mirror;
+use super::longitudinal::{Measured, Model, Step};
 use super::motion::Body;
 use super::numbers::Numbers;
 use super::path::{Across, PathLimits};
@@ -27,7 +26,7 @@ use super::road_ahead::{Radar, RoadAhead};
 use super::sight::Sight;
 use super::sighting::Sighting;
 use super::sources::{MapAhead, Sources};
-use super::track::{DetectedTrack, FieldOfView, Life, Lost};
+use super::track::{DetectedTrack, FieldOfView, Life};
 use super::unite::unite;
 use crate::radar::Scan;
 use crate::radar::receiver::Receiver;
@@ -50,7 +49,8 @@ pub struct Tracker {
     points: Vec<Point>,
     outlines: Vec<Outline>,
     ahead: RoadAhead,
-    sight: Sight,
+    /// Share of the expected detections that come.
+    pub sight: Sight,
     last_ns: Option<i64>,
     next_id: u32,
 }
@@ -109,10 +109,10 @@ impl Tracker {
         let detections = scan.detections;
         let dt_s = self.last_ns.map_or(0.0, |last| (time_ns - last) as f64 * 1e-9);
         self.last_ns = Some(time_ns);
-        self.predict(dt_s, ego.acceleration_mps2);
+        self.predict(dt_s, ego);
         let motion = self.body.motion(ego.speed_mps, yaw_rate_radps);
         self.read(scan, ego.speed_mps);
-        if !self.ahead.course().is_straight() {
+        if !self.ahead.course().is_straight {
             let (known, read) = ((&self.radar, self.model.numbers()), (detections, &*self.points));
             let before = self.ahead.find(dt_s, &motion, map, read, known);
             let course = self.ahead.course();
@@ -120,24 +120,18 @@ impl Tracker {
             let points = self.points.iter_mut().zip(detections);
             points.for_each(|(point, detection)| *point = point.on(course, detection, &motion));
         }
-        self.sight.take_scan(
-            dt_s,
-            ego.speed_mps,
-            &self.points,
-            detections,
-            (&self.view, self.ahead.course()),
-        );
+        let view = (&self.view, self.ahead.course());
+        self.sight.take_scan(dt_s, ego.speed_mps, &self.points, detections, view);
         self.associate();
         self.update();
         self.watch();
         self.begin();
         let life = self.life.with_sight(self.sight.share());
-        unite(&mut self.tracks, self.ahead.course(), &life, self.model.numbers());
-        self.end_images();
-        self.lose(dt_s, ego);
+        unite(&mut self.tracks, &life, self.model.numbers());
+        self.find_lost();
         self.confirm(&life, dt_s, ego.speed_mps);
         self.leave_trails();
-        self.list(time_ns, ego, scan)
+        self.list(time_ns, scan)
     }
 
     /// Confirmed tracks of vehicles leave trails.
@@ -154,11 +148,9 @@ impl Tracker {
         &self.ahead
     }
 
-    fn predict(&mut self, dt_s: f64, ego_acceleration_mps2: f64) {
-        let step = self.model.step(dt_s, ego_acceleration_mps2);
-        for track in &mut self.tracks {
-            track.predict(&self.model, &step);
-        }
+    fn predict(&mut self, dt_s: f64, ego: &Ego) {
+        let step = Step { dt_s, ego: *ego };
+        self.tracks.iter_mut().for_each(|track| track.predict(&self.model, &step));
     }
 
     /// Takes the detections as points of a straight road.
@@ -174,30 +166,47 @@ impl Tracker {
 
     fn associate(&mut self) {
         self.outlines.clear();
-        let outlines = self
-            .tracks
-            .iter()
-            .enumerate()
-            .map(|(place, track)| track.outline(place, self.ahead.course()));
-        self.outlines.extend(outlines);
+        let course = self.ahead.course();
+        self.outlines.extend(self.tracks.iter().map(|track| track.outline(course)));
         let numbers = self.model.numbers();
         associate(&mut self.points, &self.outlines, self.gate, numbers);
-        for outline in &self.outlines {
-            part(&mut self.points, outline, numbers);
+        for (place, outline) in self.outlines.iter().enumerate() {
+            part(&mut self.points, place, outline.lateral_m, numbers);
         }
     }
 
     fn update(&mut self) {
         let numbers = self.model.numbers();
+        let view = (&self.view, self.ahead.course());
         let mut seen = [None; MAX_KEPT];
         for (place, track) in self.tracks.iter_mut().enumerate() {
             let own = self.points.iter().filter(|point| point.owner == Some(place));
-            let Some(sighting) = Sighting::of(own, track.across.speed_mps(), numbers) else {
-                continue;
-            };
-            seen[place] = Some(track.see(&self.model, &sighting, &self.view, self.ahead.course()));
+            let sighting = Sighting::of(own, track.across.speed_mps(), numbers);
+            seen[place] = sighting.map(|sighting| track.see(&self.model, &sighting, view));
         }
         self.share(&seen);
+    }
+
+    /// Shows an echo to the tracks beside the one that it belongs to, in the same cell of the receiver: they may have
+    /// merged into it.
+    fn share(&mut self, seen: &[Option<Measured>; MAX_KEPT]) {
+        for place in 0..self.tracks.len() {
+            let track = &self.tracks[place];
+            if seen[place].is_some() || track.abreast.is_one() {
+                continue;
+            }
+            let (gap_m, lateral_m) = track.place();
+            let cell_m = self.view.resolution_rad * gap_m;
+            let merges = |other: &DetectedTrack| {
+                let (other_gap_m, other_lateral_m) = other.place();
+                (other_gap_m - gap_m).abs() < self.model.numbers().same_before_m
+                    && (other_lateral_m - lateral_m).abs() < cell_m + VEHICLE_WIDTH_M
+            };
+            let mut merged = self.tracks.iter().zip(seen).filter(|(other, _)| merges(other));
+            let Some(echo) = merged.find_map(|(_, seen)| *seen) else { continue };
+            let (predicted, abreast) = (track.across.position(), &mut self.tracks[place].abreast);
+            abreast.observe(echo, predicted, cell_m);
+        }
     }
 
     /// Compares the tracks that should have been seen with those that were.
@@ -210,7 +219,8 @@ impl Tracker {
         }
         for (index, track) in self.tracks.iter().enumerate().filter(|(_, track)| track.id != 0) {
             let (gap_m, lateral_m) = places[index];
-            let is_near = gap_m < numbers.reach_m && self.view.surely_shows(gap_m, lateral_m);
+            let outer_m = lateral_m.abs() + 0.5 * track.width_m;
+            let is_near = gap_m < numbers.reach_m && self.view.shows(gap_m, outer_m);
             // A vehicle that another one hides, or that has merged with one, is not expected.
             let to_m = gap_m + numbers.hides_behind_m;
             let mut others = places.iter().zip(&self.tracks);
@@ -230,44 +240,6 @@ impl Tracker {
         }
     }
 
-    pub fn seen_share(&self) -> f64 {
-        self.sight.share()
-    }
-
-    /// An unseen track whose cell holds a seen one has merged into that echo.
-    fn share(&mut self, seen: &[Option<Measured>; MAX_KEPT]) {
-        for place in 0..self.tracks.len() {
-            let track = &self.tracks[place];
-            if seen[place].is_some() || track.abreast.is_one() {
-                continue;
-            }
-            let cell_m = self.view.resolution_rad * track.along.estimate().gap_m;
-            let others = self.tracks.iter().zip(seen);
-            let merged = others.filter(|(other, _)| self.is_merged(track, other));
-            let Some(measured) = merged.filter_map(|(_, seen)| *seen).next() else { continue };
-            let (predicted, abreast) = (track.across.position(), &mut self.tracks[place].abreast);
-            abreast.observe(measured, predicted, cell_m, self.model.numbers());
-        }
-    }
-
-    /// Two tracks are in one cell of the receiver, or parts of their vehicles are.
-    fn is_merged(&self, a: &DetectedTrack, b: &DetectedTrack) -> bool {
-        let surely_sigma = self.model.numbers().surely_sigma;
-        let (of_a, of_b) = (a.along.estimate(), b.along.estimate());
-        let agree = |difference: f64, resolution: f64, entry: usize| {
-            let variance = of_a.covariance[entry][entry] + of_b.covariance[entry][entry];
-            difference.abs() < resolution + surely_sigma * variance.max(0.0).sqrt()
-        };
-        let cell_m = self.view.resolution_rad * of_a.gap_m;
-        agree(of_a.gap_m - of_b.gap_m, self.radar.receiver.range.resolution, 0)
-            && agree(
-                of_a.relative_speed_mps - of_b.relative_speed_mps,
-                self.radar.receiver.range_rate.resolution,
-                1,
-            )
-            && (a.across.position_m() - b.across.position_m()).abs() < cell_m + VEHICLE_WIDTH_M
-    }
-
     fn begin(&mut self) {
         let tracks = &mut self.tracks;
         let model = &self.model;
@@ -283,35 +255,16 @@ impl Tracker {
         });
     }
 
-    /// Ends what could be the mirror image of another track before it is confirmed.
-    fn end_images(&mut self) {
-        let mut place = 0;
-        while place < self.tracks.len() {
-            let track = &self.tracks[place];
-            let mut others = self.tracks.iter();
-            if track.id == 0
-                && track.vehicle.is_none()
-                && others.any(|other| mirror::is_image(track, other, self.model.numbers()))
-            {
-                self.tracks.remove(place);
-            } else {
-                place += 1;
-            }
-        }
-    }
-
-    /// Carries on what is lost in the path, until it is found again: a track there that is seen.
-    fn lose(&mut self, dt_s: f64, ego: &Ego) {
+    /// Ends what is lost in the path when it is found again: a track there that is seen.
+    fn find_lost(&mut self) {
         let numbers = self.model.numbers();
         let found_m = (self.tracks.iter())
             .filter(|track| track.id != 0 && track.is_seen() && track.membership.in_path())
             .map(|track| track.along.estimate().gap_m)
             .fold(f64::INFINITY, f64::min);
-        self.tracks.iter_mut().for_each(|track| track.watch(dt_s, ego));
         self.tracks.retain(|track| {
-            let reach_m = |lost: &Lost| lost.gap_m + numbers.found_m;
-            let is_found = track.lost(numbers).is_some_and(|lost| found_m < reach_m(lost));
-            !(is_found && track.unseen_s > self.life.coast_s)
+            let is_found = found_m < track.along.estimate().gap_m + numbers.found_m;
+            !(is_found && track.is_lost(numbers) && track.unseen_s > self.life.coast_s)
         });
     }
 
@@ -323,23 +276,15 @@ impl Tracker {
             track.has_stood() && ahead.is_aside(place, sigma_m, numbers)
         };
         self.tracks.retain(|track| !track.is_over(life, numbers) && !is_roadside(track));
-        for place in 0..self.tracks.len() {
-            let track = &self.tracks[place];
-            let mut across = track.across();
-            // The centroid of several vehicles is not a vehicle. But a track that may be one vehicle has to count
-            // before only hard braking helps.
-            let is_urgent = across.approach.braking_mps2() > numbers.comfortable_mps2;
-            if !track.abreast.is_one() && !is_urgent {
-                across = Across::resting(self.nearest_of_several_m(track).unwrap_or(f64::INFINITY));
-            }
-            let track = &mut self.tracks[place];
+        for track in &mut self.tracks {
             if track.id == 0 && track.deserves_confirmation(life) {
                 track.id = self.next_id;
                 self.next_id = self.next_id.wrapping_add(1).max(1);
             }
             let estimate = track.along.estimate();
             let ground_mps = ego_mps + estimate.relative_speed_mps;
-            across.drives = ground_mps > self.model.numbers().standing_mps;
+            let drives = ground_mps > numbers.standing_mps;
+            let mut across = Across { drives, ..track.across() };
             if let Some(belief) = self.ahead.belief() {
                 let sigma_m = track.across.position_sigma_m();
                 let in_way = belief.in_way_at(track.place(), sigma_m, track.width_m, track.moved);
@@ -351,23 +296,10 @@ impl Tracker {
         }
     }
 
-    /// Place of the body nearest to the ego's axis among those that a track may stand for, m.
-    fn nearest_of_several_m(&self, track: &DetectedTrack) -> Option<f64> {
-        let lateral_m = track.across.position_m();
-        let (mut right, mut left) = (false, false);
-        for other in self.tracks.iter().filter(|other| other.id != 0 && other.id != track.id) {
-            if self.is_merged(track, other) {
-                right |= other.across.position_m() < lateral_m;
-                left |= other.across.position_m() > lateral_m;
-            }
-        }
-        track.abreast.nearest_of_several_m((right, left), self.model.numbers())
-    }
-
-    fn list(&self, time_ns: i64, ego: &Ego, scan: Scan) -> TrackList {
+    fn list(&self, time_ns: i64, scan: Scan) -> TrackList {
         let mut list = TrackList::new(time_ns);
         for track in self.tracks.iter().filter(|track| track.id != 0) {
-            list.add(entry(track, ego, self.ahead.course(), scan.detections, self.model.numbers()));
+            list.add(entry(track, self.ahead.course(), scan.detections));
         }
         list.finish();
         list

@@ -78,23 +78,10 @@ fn a_point_on_a_curve_moves_as_it_would_on_the_straight_road() {
 
 #[test]
 fn points_farther_apart_than_a_vehicle_is_wide_are_parted() {
-    let outline_at = |lateral_m: f64| Outline {
-        lateral_m,
-        place: 3,
-        vehicle: None,
-        confirmed: true,
-        rear_m: 40.0,
-        aspect_m: 0.0,
-        length_m: 4.5,
-        half_width_m: 0.9,
-        relative_speed_mps: 0.0,
-        lateral_speed_mps: 0.0,
-        variances: [0.1; 4],
-    };
-    let owners = |apart_m: f64, lateral_m: f64| {
+    let owners = |apart_m: f64, expected_m: f64| {
         let mut points = [point(40.0, 1.0, 0.0), point(40.0, 1.0 + apart_m, 0.0)];
         points.iter_mut().for_each(|point| point.owner = Some(3));
-        part(&mut points, &outline_at(lateral_m), &Numbers::DEFAULT);
+        part(&mut points, 3, expected_m, &Numbers::DEFAULT);
         points.map(|point| point.owner.is_some())
     };
     // 2.6 m and three deviations of the difference of two that have 0.2 m each.
@@ -106,6 +93,6 @@ fn points_farther_apart_than_a_vehicle_is_wide_are_parted() {
     // Points of another track stay with it.
     let mut other = [point(40.0, -9.0, 0.0), point(40.0, 9.0, 0.0)];
     other.iter_mut().for_each(|point| point.owner = Some(4));
-    part(&mut other, &outline_at(0.0), &Numbers::DEFAULT);
+    part(&mut other, 3, 0.0, &Numbers::DEFAULT);
     assert_eq!(other.map(|point| point.owner), [Some(4); 2]);
 }

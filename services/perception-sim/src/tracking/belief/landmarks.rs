@@ -58,7 +58,7 @@ pub struct Landmark {
 
 #[derive(Clone, Debug)]
 pub struct Landmarks {
-    list: Vec<Landmark>,
+    pub list: Vec<Landmark>,
     offset_radps: f64,
 }
 
@@ -69,10 +69,6 @@ impl Default for Landmarks {
 }
 
 impl Landmarks {
-    pub fn list(&self) -> &[Landmark] {
-        &self.list
-    }
-
     /// Yaw rate without the sensor's offset, rad/s.
     pub fn yaw_rate_radps(&self, motion: &Motion) -> Option<f64> {
         motion.yaw_rate_radps.map(|radps| radps - self.offset_radps)
@@ -195,9 +191,9 @@ mod tests {
     #[test]
     fn an_object_is_one_landmark_however_often_it_is_seen() {
         let (_, landmarks) = drive(60, 0.0);
-        let ahead = landmarks.list().iter().filter(|mark| mark.place_m.0 > 71.0).count();
+        let ahead = landmarks.list.iter().filter(|mark| mark.place_m.0 > 71.0).count();
         assert_eq!(ahead, 9, "one for each post from 72 to 168 m");
-        let first = landmarks.list().iter().find(|mark| mark.place_m.0 > 71.0).expect("a post");
+        let first = landmarks.list.iter().find(|mark| mark.place_m.0 > 71.0).expect("a post");
         assert!((first.place_m.0 - 72.0).abs() < 1e-6 && first.count == 60.0, "{first:?}");
         assert!((first.nearest_m - libm::hypot(12.0, 9.0)).abs() < 0.01);
     }
@@ -206,7 +202,7 @@ mod tests {
     fn landmarks_correct_the_offset_of_the_yaw_rate() {
         let (ego, landmarks) = drive(200, 0.002);
         assert!((landmarks.offset_radps - 0.002).abs() < 4e-4, "{}", landmarks.offset_radps);
-        assert!(landmarks.list().iter().all(|mark| ego.seen(mark.place_m).0 > -71.1));
+        assert!(landmarks.list.iter().all(|mark| ego.seen(mark.place_m).0 > -71.1));
     }
 
     #[test]
@@ -214,9 +210,9 @@ mod tests {
         let (ego, mut landmarks) = (Frame::default(), Landmarks::default());
         landmarks.take(&ego, &[Echo { x_m: 50.0, sigma_m: 0.2, ..Echo::default() }]);
         for _ in 0..21 {
-            assert_eq!(landmarks.list().len(), 1);
+            assert_eq!(landmarks.list.len(), 1);
             landmarks.take(&ego, &[]);
         }
-        assert!(landmarks.list().is_empty());
+        assert!(landmarks.list.is_empty());
     }
 }

@@ -238,7 +238,7 @@ impl Belief {
         evidence.way.clear();
         evidence.pairs.clear();
         evidence.speed_mps = motion.speed_mps;
-        for landmark in self.landmarks.list().iter().filter(|landmark| landmark.count >= 2.0) {
+        for landmark in self.landmarks.list.iter().filter(|landmark| landmark.count >= 2.0) {
             let at_m = ego.seen(landmark.place_m);
             if at_m.0 >= -BEHIND_M {
                 let turn_m = TURN_RAD * landmark.nearest_m;

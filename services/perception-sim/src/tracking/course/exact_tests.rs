@@ -113,6 +113,6 @@ fn a_heading_is_that_of_the_circle_at_its_arc_length() {
         assert_within(cosine, libm::cos(0.1 + sigma_m / 200.0), 1e-9);
         assert_within(sine, libm::sin(0.1 + sigma_m / 200.0), 1e-9);
     }
-    assert_eq!((course.heading_rad(), course.is_straight()), (0.1, false));
+    assert_eq!((course.heading_rad, course.is_straight), (0.1, false));
     assert_eq!(Course::STRAIGHT.tangent(43.0), (1.0, 0.0));
 }

@@ -16,6 +16,10 @@ fn start(model: &Model, gap_m: f64, rate_mps: f64) -> Filter {
     model.start(Measured::new(gap_m, SIGMA[0]), Measured::new(rate_mps, SIGMA[1]))
 }
 
+fn step(dt_s: f64, acceleration_mps2: f64) -> Step {
+    Step { dt_s, ego: Ego { acceleration_mps2, ..Ego::default() } }
+}
+
 fn see(filter: &mut Filter, model: &Model, step: &Step, gap_m: f64, rate_mps: f64) -> bool {
     filter.predict(model, step);
     let range = Measured::new(gap_m, SIGMA[0]);
@@ -41,7 +45,7 @@ fn errors(dt_s: f64, lead: impl Fn(f64, f64, f64) -> f64) -> ([f64; 3], [f64; 3]
         v += ego * dt_s;
         al += jump;
         let (range, rate) = (gap + SIGMA[0] * random.normal(), vl - v + SIGMA[1] * random.normal());
-        see(&mut filter, &model, &model.step(dt_s, ego), range, rate);
+        see(&mut filter, &model, &step(dt_s, ego), range, rate);
         if k > steps / 20 {
             let Estimate { gap_m, relative_speed_mps, acceleration_mps2, .. } = filter.estimate();
             let off = [gap_m - gap, relative_speed_mps - (vl - v), acceleration_mps2 - al];
@@ -68,7 +72,7 @@ fn motorway(time_s: f64, acceleration: f64, _: f64) -> f64 {
 #[test]
 fn a_constant_target_is_found() {
     let model = model();
-    let step = model.step(0.05, 0.0);
+    let step = step(0.05, 0.0);
     let mut filter = start(&model, 49.0, -3.0);
     let mut gap = 50.0;
     for _ in 0..2000 {
@@ -84,7 +88,7 @@ fn a_constant_target_is_found() {
 #[test]
 fn the_egos_own_acceleration_is_not_taken_for_the_leads() {
     let model = model();
-    let step = model.step(0.05, -2.0);
+    let step = step(0.05, -2.0);
     let (mut gap, mut rate) = (50.0, 0.0);
     let mut filter = start(&model, gap, rate);
     for _ in 0..100 {
@@ -98,7 +102,7 @@ fn the_egos_own_acceleration_is_not_taken_for_the_leads() {
 #[test]
 fn the_gate_keeps_outliers_out_and_lets_the_rest_in() {
     let model = model();
-    let step = model.step(0.05, 0.0);
+    let step = step(0.05, 0.0);
     let mut filter = start(&model, 50.0, 0.0);
     for _ in 0..100 {
         see(&mut filter, &model, &step, 50.0, 0.0);
@@ -119,7 +123,7 @@ fn hard_braking_counts_from_the_first_scan() {
     for deceleration in [3.0, 6.0, 9.0] {
         let model = model();
         let mut random = Random::of_run(5, 0);
-        let step = model.step(0.05, 0.0);
+        let step = step(0.05, 0.0);
         let mut filter = start(&model, 50.0, 0.0);
         let (mut gap, mut rate, mut rejected, mut seen_s) = (50.0, 0.0, 0, f64::INFINITY);
         for k in 0..140 {
@@ -146,7 +150,7 @@ fn hard_braking_counts_from_the_first_scan() {
 fn the_first_range_rate_of_hard_braking_is_expected() {
     for dt_s in [0.05, 0.1] {
         let model = model();
-        let step = model.step(dt_s, 0.0);
+        let step = step(dt_s, 0.0);
         let mut filter = start(&model, 50.0, 0.0);
         for _ in 0..100 {
             see(&mut filter, &model, &step, 50.0, 0.0);
@@ -161,7 +165,7 @@ fn the_first_range_rate_of_hard_braking_is_expected() {
 fn a_radar_without_noise_does_not_break_the_filter() {
     let still = Maneuver { sigma_mps2: 0.0, tau_s: 2.5 };
     let model = Model::new(still, 5.0, &Numbers::DEFAULT);
-    let step = model.step(0.05, 0.0);
+    let step = step(0.05, 0.0);
     let mut filter = model.start(Measured::new(50.0, 0.0), Measured::new(1.0, 0.0));
     for k in 1..10_000 {
         filter.predict(&model, &step);
@@ -201,7 +205,7 @@ proptest! {
         let model = model();
         let mut filter = start(&model, 50.0, 0.0);
         for (dt_s, offset, seen) in scans {
-            let step = model.step(dt_s, 0.0);
+            let step = step(dt_s, 0.0);
             let before = filter.estimate();
             if seen {
                 let gap = before.gap_m + offset;
@@ -225,7 +229,7 @@ proptest! {
 #[test]
 fn no_vehicle_brakes_harder_than_its_tyres_allow() {
     let model = model();
-    let step = model.step(0.05, 0.0);
+    let step = step(0.05, 0.0);
     let exactly = |value: f64| Measured::new(value, 0.02);
     let mut filter = model.start(exactly(20.0), exactly(1.0));
     let hardest_mps2 = Numbers::DEFAULT.hardest_mps2;
@@ -246,7 +250,7 @@ fn assert_near(found: f64, expected: f64) {
 fn a_step_is_that_of_singers_model() {
     let model = model();
     let mut state = Gaussian::independent([50.0, -3.0, 2.0], [0.16, 0.0225, 0.25]);
-    model.advance(0, &model.step(0.1, 1.0), &mut state);
+    model.advance(0, &step(0.1, 1.0), &mut state);
     let r = libm::exp(-0.1 / 2.5);
     assert_near(state.mean[0], 50.0 - 0.3 + 0.005);
     assert_near(state.mean[1], -2.9);
@@ -263,10 +267,32 @@ fn a_step_is_that_of_singers_model() {
 
 #[test]
 fn the_models_change_within_their_sojourns() {
-    let step = model().step(0.1, 0.0);
-    assert_eq!((step.dt_s(), step.change), (0.1, [0.1 / 5.0, 0.1]));
-    assert_eq!(model().step(0.8, 0.0).change, [0.8 / 5.0, 0.5]);
-    for (kept, tau_s) in step.kept.into_iter().zip([2.5, 1.5]) {
-        assert_near(kept, libm::exp(-0.1 / tau_s));
-    }
+    let weights = |dt_s: f64| {
+        let mut filter = start(&model(), 50.0, 0.0);
+        filter.predict(&model(), &step(dt_s, 0.0));
+        filter.0.weights
+    };
+    // A new filter has 0.95 on the quiet lead.
+    assert_near(weights(0.1)[0], 0.95 * (1.0 - 0.1 / 5.0) + 0.05 * 0.1);
+    assert_near(weights(0.8)[0], 0.95 * (1.0 - 0.8 / 5.0) + 0.05 * 0.5);
+}
+
+#[test]
+fn a_lost_vehicle_keeps_its_speed_or_brakes_on_until_it_stands() {
+    let ego = Ego { speed_mps: 15.0, ..Ego::default() };
+    let lost = |acceleration_mps2: f64, seconds: u32| {
+        let mut filter = start(&model(), 40.0, -3.0);
+        filter.0.change(|state| state.mean[2] = acceleration_mps2);
+        (0..20 * seconds).for_each(|_| filter.carry_on(&model(), &Step { dt_s: 0.05, ego }));
+        filter.estimate()
+    };
+    let steady = lost(2.0, 1);
+    assert!((steady.gap_m - 37.0).abs() < 0.2 && (steady.relative_speed_mps + 3.0).abs() < 0.2);
+    assert_eq!(steady.acceleration_mps2, 0.0);
+    let braking = lost(-4.0, 1);
+    assert!((braking.gap_m - 35.0).abs() < 0.2 && (braking.relative_speed_mps + 7.0).abs() < 0.2);
+    assert_near(braking.acceleration_mps2, -4.0);
+    let stands = lost(-4.0, 6);
+    assert_near(stands.relative_speed_mps, -15.0);
+    assert_eq!(stands.acceleration_mps2, 0.0);
 }

@@ -57,7 +57,7 @@ fn a_cut_in_is_recognised_before_the_bodies_overlap() {
 #[test]
 fn threats_that_braking_does_not_avoid_stay_out() {
     let within = |gap_m: f64, relative_speed_mps: f64, lateral_m: f64| {
-        let approach = Approach { gap_m, relative_speed_mps, length_m: 4.5 };
+        let approach = Approach { gap_m, relative_speed_mps };
         let across = Across {
             lateral_m,
             speed_mps: -1.0,
@@ -84,7 +84,7 @@ fn threats_that_braking_does_not_avoid_stay_out() {
 fn prices_decide_where_the_path_is_doubtful() {
     // 20 m/s towards what stands: 2.5 m/s² at 80 m, 5 m/s² at 40 m.
     let within = |gap_m: f64, probability: f64| {
-        let approach = Approach { gap_m, relative_speed_mps: -20.0, length_m: 4.5 };
+        let approach = Approach { gap_m, relative_speed_mps: -20.0 };
         let in_way = Some(probability);
         limits().within(&Across { in_way, approach, ..Across::resting(0.0) })
     };
@@ -134,11 +134,8 @@ fn exact_tracks_count_at_once() {
 }
 
 #[test]
-fn an_approach_ends_beside_the_track_or_behind_it() {
-    let approach = Approach { gap_m: 10.0, relative_speed_mps: -10.0, length_m: 4.5 };
-    let passed = |time_s: f64| approach.is_passed_in(time_s, &Numbers::DEFAULT);
-    // Both lengths are 9 m.
-    assert!(passed(1.91) && !passed(1.89) && !passed(-1.91));
+fn an_approach_ends_beside_the_track() {
+    let approach = Approach { gap_m: 10.0, relative_speed_mps: -10.0 };
     let beside = |gap_m: f64, time_s: f64| {
         Approach { gap_m, ..approach }.is_beside_in(time_s, &Numbers::DEFAULT)
     };
@@ -159,7 +156,7 @@ fn a_heading_that_is_not_known_makes_a_lateral_speed_uncertain() {
 fn an_object_that_moves_in_still_comes_if_more_slowly() {
     let comes = |lateral_m: f64, speed_mps: f64| {
         let across = Across { speed_mps, ..Across::resting(lateral_m) };
-        limits().still_comes(&across)
+        limits().comes(&across, 0.15, 2.0 * limits().predict_s)
     };
     // 1.8 m, the bodies' width, and 2.4 s.
     assert!(comes(2.3, -0.25) && !comes(2.5, -0.25) && comes(-2.3, 0.25) && !comes(-2.5, 0.25));

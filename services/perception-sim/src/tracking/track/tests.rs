@@ -4,6 +4,7 @@ use super::super::association::Point;
 use super::super::association::tests::point;
 use super::super::longitudinal::Maneuver;
 use super::*;
+use crate::radar::scene::Ego;
 
 const NUMBERS: Numbers = Numbers::DEFAULT;
 const LIFE: Life = Life { hits: 3, scans: 4, coast_s: 0.5 };
@@ -12,6 +13,10 @@ const VIEW: FieldOfView = FieldOfView { half_rad: 0.5, resolution_rad: 0.01, edg
 
 fn model() -> Model {
     Model::new(Maneuver { sigma_mps2: 1.0, tau_s: 2.0 }, 4.0, &NUMBERS)
+}
+
+fn step(dt_s: f64) -> Step {
+    Step { dt_s, ego: Ego { speed_mps: 20.0, ..Ego::default() } }
 }
 
 fn sighting(points: &[Point]) -> Sighting {
@@ -43,10 +48,10 @@ fn assert_near(found: f64, expected: f64) {
 }
 
 #[test]
-fn the_view_surely_shows_what_is_ahead_and_twice_the_margin_inside() {
-    let shows = |gap_m: f64, rad: f64| VIEW.surely_shows(gap_m, gap_m * libm::tan(rad));
-    assert!(shows(20.0, 0.0) && shows(20.0, 0.399) && shows(20.0, -0.399));
-    assert!(!shows(20.0, 0.401) && !shows(20.0, -0.401));
+fn the_view_shows_what_is_ahead_and_the_margin_inside() {
+    let shows = |x_m: f64, rad: f64| VIEW.shows(x_m, x_m * libm::tan(rad));
+    assert!(shows(20.0, 0.0) && shows(20.0, 0.449) && shows(20.0, -0.449));
+    assert!(!shows(20.0, 0.451) && !shows(20.0, -0.451));
     assert!(shows(1.01, 0.0) && !shows(1.0, 0.0) && !shows(-20.0, 0.0));
 }
 
@@ -97,10 +102,8 @@ fn a_confirmed_track_is_over_when_it_is_unseen_too_long_or_seen_rarely() {
         !is_over(0.0, 32, 0b11_1111) && is_over(0.0, 32, 0b1_1111) && !is_over(0.0, 31, 0b1_1111)
     );
     // A track lost in the path goes on for 2.5 s.
-    let lost = Lost { gap_m: 40.0, speed_mps: 10.0, acceleration_mps2: 0.0 };
     let is_over = |unseen_s: f64, coast_s: f64| {
-        DetectedTrack { unseen_s, lost: Some(lost), ..firm(40.0, 0.0) }
-            .is_over(&Life { coast_s, ..LIFE }, &NUMBERS)
+        DetectedTrack { unseen_s, ..firm(40.0, 0.0) }.is_over(&Life { coast_s, ..LIFE }, &NUMBERS)
     };
     assert!(!is_over(2.5, 0.5) && is_over(2.51, 0.5));
     assert!(!is_over(2.51, 3.0) && is_over(3.01, 3.0));
@@ -109,7 +112,7 @@ fn a_confirmed_track_is_over_when_it_is_unseen_too_long_or_seen_rarely() {
 #[test]
 fn a_scan_moves_a_track_on_and_ages_it() {
     let (model, mut track) = (model(), track(40.0, 1.0, -2.0));
-    let step = model.step(0.05, 0.0);
+    let step = step(0.05);
     assert!(track.is_seen());
     track.predict(&model, &step);
     assert_near(track.along.estimate().gap_m, 39.9);
@@ -120,59 +123,29 @@ fn a_scan_moves_a_track_on_and_ages_it() {
     assert_near(track.unseen_s, 41.0 * 0.05);
 }
 
-/// Lost part of a firm track at 20 m/s, after a scan.
-fn lost_of(track: &mut DetectedTrack) -> Option<Lost> {
-    let ego = Ego { speed_mps: 20.0, ..Ego::default() };
-    track.watch(0.05, &ego);
-    track.lost
-}
-
 #[test]
-fn a_firm_track_that_is_unseen_in_the_path_is_lost_and_goes_on() {
-    let unseen = |track: DetectedTrack| DetectedTrack { history: track.history << 1, ..track };
-    let mut track = unseen(firm(40.0, -3.0));
-    let lost = Lost { gap_m: 40.0, speed_mps: 17.0, acceleration_mps2: 0.0 };
-    assert_eq!(lost_of(&mut track), Some(lost));
-    let on = lost_of(&mut track).expect("it is lost");
-    assert_near(on.gap_m, 40.0 - 3.0 * 0.05);
-    // It counts after more than two missed scans, and ends when it is seen.
-    for (unseen_s, counts) in [(0.10, false), (0.12, false), (0.13, true)] {
-        assert_eq!(DetectedTrack { unseen_s, ..track }.lost(&NUMBERS).is_some(), counts);
-    }
-    track.history |= 1;
-    assert_eq!(lost_of(&mut track), None);
-    // A vehicle that comes towards the ego stands.
-    assert_eq!(lost_of(&mut unseen(firm(40.0, -25.0))).map(|lost| lost.speed_mps), Some(0.0));
-    let unnumbered = DetectedTrack { id: 0, ..firm(40.0, 0.0) };
-    assert_eq!(lost_of(&mut unseen(unnumbered)), None);
-    let aside = DetectedTrack { membership: Membership::default(), ..firm(40.0, 0.0) };
-    assert_eq!(lost_of(&mut unseen(aside)), None);
-}
-
-#[test]
-fn a_track_is_carried_on_from_its_32nd_scan_on() {
+fn a_firm_track_that_is_unseen_in_the_path_is_lost_after_two_missed_scans() {
     let is_lost =
-        |age: u32| lost_of(&mut DetectedTrack { history: 0b10, age, ..firm(40.0, 0.0) }).is_some();
-    assert!(is_lost(32) && !is_lost(31));
+        |track: DetectedTrack, unseen_s: f64| DetectedTrack { unseen_s, ..track }.is_lost(&NUMBERS);
+    let firm = firm(40.0, -3.0);
+    assert!(!is_lost(firm, 0.10) && !is_lost(firm, 0.12) && is_lost(firm, 0.13));
+    assert!(!is_lost(DetectedTrack { age: 31, ..firm }, 0.13));
+    assert!(!is_lost(DetectedTrack { id: 0, ..firm }, 0.13));
+    assert!(!is_lost(DetectedTrack { membership: Membership::default(), ..firm }, 0.13));
 }
 
 #[test]
-fn a_braking_lead_that_is_lost_brakes_on_and_an_accelerating_one_does_not() {
+fn a_braking_lead_that_is_lost_brakes_on() {
     let model = model();
-    let of = |rate_mps: f64| {
-        let mut track = firm(40.0, 0.0);
-        let step = model.step(0.05, 0.0);
-        track.predict(&model, &step);
-        let seen = sighting(&[point(40.0, 0.0, rate_mps)]);
-        track.see(&model, &seen, &VIEW, &Course::STRAIGHT);
-        let found_mps2 = track.along.estimate().acceleration_mps2;
-        track.history <<= 1;
-        (found_mps2, lost_of(&mut track).expect("it is lost").acceleration_mps2)
-    };
-    let (found, lost) = of(-0.3);
-    assert!(found < -0.01 && lost == found, "{found} {lost}");
-    let (found, lost) = of(0.3);
-    assert!(found > 0.01 && lost == 0.0, "{found} {lost}");
+    let step = step(0.05);
+    let mut track = firm(40.0, 0.0);
+    track.predict(&model, &step);
+    track.see(&model, &sighting(&[point(40.0, 0.0, -0.3)]), (&VIEW, &Course::STRAIGHT));
+    (0..3).for_each(|_| track.predict(&model, &step));
+    let braking_mps2 = track.along.estimate().acceleration_mps2;
+    (0..20).for_each(|_| track.predict(&model, &step));
+    assert!(braking_mps2 < -0.01);
+    assert_near(track.along.estimate().acceleration_mps2, braking_mps2);
 }
 
 #[test]
@@ -183,7 +156,7 @@ fn a_new_track_has_moved_while_all_its_echoes_do_and_an_old_one_once_it_did() {
         track.moved
     };
     assert!(moved(0, true, 0.51) && !moved(0, true, 0.5) && !moved(0, false, 9.0));
-    assert!(moved(1, false, 2.01) && !moved(1, false, 2.0) && moved(1, true, 0.0));
+    assert!(moved(1, false, 1.01) && !moved(1, false, 1.0) && moved(1, true, 0.0));
 }
 
 #[test]
@@ -216,7 +189,7 @@ fn it_grows_by_a_tenth_of_what_is_beyond_its_size() {
 
 #[test]
 fn the_older_track_takes_over_the_motion_that_is_nearer_to_the_rear() {
-    let (model, step) = (model(), model().step(0.05, 0.0));
+    let (model, step) = (model(), step(0.05));
     let older = || DetectedTrack { misfits: 2, nearest: 3, ..track(40.0, 0.0, 0.0) };
     let younger = |gap_m: f64| DetectedTrack { nearest: 8, ..track(gap_m, 0.0, -1.0) };
     let mut nearer = older();
@@ -243,20 +216,4 @@ fn the_older_track_takes_over_the_motion_that_is_nearer_to_the_rear() {
     missed.predict(&model, &step);
     both.take_over(&missed, &NUMBERS);
     assert_eq!((both.unseen_s, both.nearest, both.is_seen()), (0.05, 3, false));
-}
-
-#[test]
-fn it_keeps_its_speed_or_brakes_on() {
-    let ego = Ego { speed_mps: 15.0, ..Ego::default() };
-    let mut steady = Lost { gap_m: 40.0, speed_mps: 12.0, acceleration_mps2: 0.0 };
-    steady.carry_on(1.0, &ego);
-    assert_eq!(steady, Lost { gap_m: 37.0, ..steady });
-    assert_eq!(steady.speed_mps, 12.0);
-    let mut braking = Lost { gap_m: 40.0, speed_mps: 12.0, acceleration_mps2: -4.0 };
-    braking.carry_on(1.0, &ego);
-    assert_eq!((braking.gap_m, braking.speed_mps), (35.0, 8.0));
-    braking.carry_on(4.0, &ego);
-    assert_eq!((braking.gap_m, braking.speed_mps), (35.0 + 8.0 - 60.0, 0.0));
-    braking.carry_on(1.0, &ego);
-    assert_eq!((braking.gap_m, braking.acceleration_mps2), (-32.0, 0.0), "it stands");
 }

@@ -5,7 +5,6 @@ use crate::radar::detections::DetectionRadar;
 use crate::radar::object_list::ObjectListRadar;
 use messages::Detection;
 
-mod merged;
 mod objects;
 mod sight;
 

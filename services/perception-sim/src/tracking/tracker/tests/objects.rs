@@ -100,17 +100,17 @@ fn the_share_is_what_came_of_the_measurements_of_known_vehicles_in_view() {
             (seen, expected) =
                 (seen * fades + f64::from(u8::from(is_there)), expected * fades + 0.95);
         }
-        assert_near(watch.tracker.seen_share(), f64::min(seen / expected, 1.0));
+        assert_near(watch.tracker.sight.share(), f64::min(seen / expected, 1.0));
     }
-    // At the edge of the view nothing is expected, and no map promises posts.
+    // One whose outer side is at the edge of the view is not expected, and no map promises posts.
     let mut aside = Objects::new();
-    aside.scan(Some(at(20.0, 9.3, 0.0)));
+    aside.scan(Some(at(20.0, 9.5, 0.0)));
     aside.scan(None);
-    assert_eq!(aside.tracker.seen_share(), 1.0);
+    assert_eq!(aside.tracker.sight.share(), 1.0);
     for _ in 0..100 {
         aside.scan(None);
     }
-    assert_eq!(aside.tracker.seen_share(), 1.0);
+    assert_eq!(aside.tracker.sight.share(), 1.0);
 }
 
 #[test]

@@ -35,10 +35,10 @@ fn drive(vehicles: &[Vehicle], counts: &[usize]) -> f64 {
         }
         confirmed = list.count == vehicles.len();
         assert!(confirmed || scan < 20, "scan {scan}: {} tracks", list.count);
-        let (found, share) = (watch.tracker.seen_share(), f64::min(seen / expected, 1.0));
+        let (found, share) = (watch.tracker.sight.share(), f64::min(seen / expected, 1.0));
         assert!((found - share).abs() < 1e-9, "scan {scan}: {found} for {share}");
     }
-    watch.tracker.seen_share()
+    watch.tracker.sight.share()
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn a_near_vehicle_that_three_of_four_scans_show_is_the_share() {
 #[test]
 fn a_far_one_and_one_at_the_edge_of_the_view_are_not_expected() {
     assert_eq!(drive(&[((81.0, 0.0), THREE_OF_FOUR)], &[]), 1.0);
-    // The view of ±30° less twice its margin of 0.05 rad: 0.4236 rad.
+    // The outer side is within the view of ±30° less its margin of 0.05 rad: 0.4736 rad.
     let (x_m, inner_m, outer_m) = (20.0, 20.0 * libm::tan(0.41), 20.0 * libm::tan(0.44));
     assert!(drive(&[((x_m, inner_m), THREE_OF_FOUR)], &[0]) < 0.85);
     assert_eq!(drive(&[((x_m, outer_m), THREE_OF_FOUR)], &[]), 1.0);
@@ -78,14 +78,14 @@ fn two_that_may_have_merged_hide_each_other() {
 #[test]
 fn a_radar_that_shows_a_vehicle_is_not_blind_and_one_that_loses_it_is() {
     let mut watch = Watch::after_a_lead();
-    assert!(watch.tracker.seen_share() > 0.99);
+    assert!(watch.tracker.sight.share() > 0.99);
     for _ in 0..9 {
         watch.scan(&[]);
     }
-    assert!(watch.tracker.seen_share() > 0.3, "0.45 s without a detection");
+    assert!(watch.tracker.sight.share() > 0.3, "0.45 s without a detection");
     watch.scan(&[]);
     watch.scan(&[]);
-    assert_eq!(watch.tracker.seen_share(), 0.0, "0.55 s without one");
+    assert_eq!(watch.tracker.sight.share(), 0.0, "0.55 s without one");
     watch.scan(&[lead(0)]);
-    assert!(watch.tracker.seen_share() > 0.3, "it is back");
+    assert!(watch.tracker.sight.share() > 0.3, "it is back");
 }
