@@ -13,6 +13,8 @@ use crate::object::{Object, WIDTH_M};
 
 /// Slower than this above the other's speed it is not a collision, m/s.
 const LEAST_CLOSING_MPS: f64 = 2.0;
+/// Standard deviation of the place across the lanes where it then stands, m.
+const SIGMA_M: f64 = 0.1;
 /// A collision that is less probable than this is left out.
 const LEAST_PROBABILITY: f64 = 0.05;
 
@@ -26,7 +28,7 @@ pub(crate) fn where_it_stands(first: &Object, second: &Object, horizon_s: f64) -
     let second_sigma_m = second.lateral.position_sigma_m();
     let carried_s = time_s.min(horizon_s);
     let (mut touching, mut moment_m) = (0.0, 0.0);
-    for h in first.lateral.states() {
+    for h in &first.lateral.states {
         let position_m = h.position_m + h.rate_mps * carried_s;
         let off_m = (position_m - second.lateral.position_m).abs();
         let sigma_m = libm::hypot(h.sigma_after_m(carried_s), second_sigma_m);
@@ -39,7 +41,7 @@ pub(crate) fn where_it_stands(first: &Object, second: &Object, horizon_s: f64) -
         distance_m: second.distance_m - first.length_m,
         speed_mps: second.speed_mps,
         acceleration_mps2: second.acceleration_mps2,
-        lateral: Lateral::still(moment_m / touching),
+        lateral: Lateral::first(moment_m / touching, SIGMA_M),
         probability,
         ..*first
     })

@@ -21,7 +21,7 @@
 //!
 //! let circle = Corridor::circle(1.0 / 250.0, 0.0, 0.0);
 //! let (x_m, y_m) = circle.to_body(60.0, -3.5);
-//! let (along_m, off_m) = circle.to_way(x_m, y_m);
+//! let ((along_m, off_m), _) = circle.to_way(x_m, y_m);
 //! assert!((along_m - 60.0).abs() < 1e-9 && (off_m + 3.5).abs() < 1e-9);
 //! ```
 
@@ -106,13 +106,9 @@ impl Corridor {
         corridor
     }
 
-    /// Length along the corridor and distance left of it, m, of a point of the body.
-    pub fn to_way(&self, x_m: f64, y_m: f64) -> (f64, f64) {
-        self.place(x_m, y_m).0
-    }
-
-    /// The same, and the corridor's heading there, rad to the left of the body.
-    pub(crate) fn place(&self, x_m: f64, y_m: f64) -> ((f64, f64), f64) {
+    /// Length along the corridor and distance left of it, m, of a point of the body. The second value is the corridor's
+    /// heading there, rad to the left of the body.
+    pub fn to_way(&self, x_m: f64, y_m: f64) -> ((f64, f64), f64) {
         let behind = self.arcs[1..=self.more].iter();
         let begun = behind.take_while(|arc| arc.seen((x_m, y_m)).0 > 0.0).count();
         let arc = &self.arcs[begun];

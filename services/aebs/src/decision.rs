@@ -12,13 +12,12 @@
 //! | [`BrakeState::Braking`] | in two scans a contact is likely, braking makes it less likely or milder, and one cycle later it may leave less than the margin | letting go is safe; the ego stands |
 //! | [`BrakeState::Holding`] | the ego stands after braking | after [`HOLD_S`] |
 //!
-//! The margin is computed with less than the brakes' authority ([`COUNTED_ON_MPS2`]). The rest is the reserve for
-//! another vehicle that begins to brake. A lead, which moves in the path, may do so with [`LEAD_MAY_BRAKE_MPS2`]. A
-//! driver's braking ([`ANSWER_MPS2`]) may no longer be enough. The whole authority must then still leave the margin when
-//! that is noticed ([`NOTICES_S`]).
+//! The margin is computed with less than the brakes' authority ([`COUNTED_ON_MPS2`]): a lead, which moves in the path, may
+//! begin to brake with [`LEAD_MAY_BRAKE_MPS2`]. If a driver's braking ([`ANSWER_MPS2`]) is no longer enough then, the whole
+//! authority must still leave the margin when that is noticed ([`NOTICES_S`]).
 //!
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and [`CLEAR_M`]. And if
-//! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
+//! the other vehicle goes on as it does, braking anew leaves the margin.
 //!
 //! Braking for an oncoming vehicle begins when the contact would otherwise be harder.
 //!
@@ -74,10 +73,6 @@ const CERTAIN: f64 = 0.9;
 const REMOTE: f64 = 0.05;
 /// Closing speed whose loss is twice that of the lightest contact, m/s. Chosen: contacts count more than their speed.
 const SEVERE_MPS: f64 = 60.0;
-/// Lateral speed below which a motion may be wandering within the lane, m/s. Chosen: three times the standard deviation
-/// of lane keeping. At standstill it ceases at a rate, 1/s.
-const WANDERING_MPS: f64 = 0.8;
-const CEASES_PER_S: f64 = 0.6;
 /// Speed towards the ego from which a vehicle is oncoming, m/s. One that rolls back is slower, and does not turn off.
 const ONCOMING_MPS: f64 = 1.0;
 /// Share of what braking takes off a closing speed in a time. A delay by this time that loses as much comes too late.
@@ -113,8 +108,6 @@ pub struct Decision {
     asks: bool,
     /// Time in [`BrakeState::Holding`], or without a threat while braking, s.
     waited_s: f64,
-    /// Hardest acceleration of a threat in this intervention, m/s², at most 0.
-    hardest_mps2: f64,
 }
 
 /// Demand of one object.
@@ -142,7 +135,7 @@ fn likely(closing_mps: f64) -> f64 {
 impl Decision {
     pub fn new(settings: Settings) -> Self {
         let state = BrakeState::Monitoring;
-        Self { settings, state, asks: false, waited_s: 0.0, hardest_mps2: 0.0 }
+        Self { settings, state, asks: false, waited_s: 0.0 }
     }
 
     /// Takes the objects as they are now, once in each period.
@@ -173,11 +166,6 @@ impl Decision {
         self.asks = all.brakes;
         let waits = worst.is_none() || before == BrakeState::Holding && !all.brakes;
         self.waited_s = if waits && self.state == before { waited_s } else { 0.0 };
-        let of_worst_mps2 = worst.map_or(0.0, |worst| worst.acceleration_mps2.min(0.0));
-        self.hardest_mps2 = match self.state {
-            BrakeState::Braking => self.hardest_mps2.min(of_worst_mps2),
-            _ => 0.0,
-        };
         let acts = matches!(self.state, BrakeState::Braking | BrakeState::Holding);
         let full_mps2 = self.settings.authority.deceleration_mps2;
         let reason = worst.filter(|_| self.state != BrakeState::Monitoring);
@@ -202,10 +190,15 @@ impl Decision {
         }
     }
 
-    /// Authority that the margin is computed with. A standing object cannot begin to brake: no reserve is kept for it.
+    /// It may begin to brake: it moves in the path. What stands cannot, and to come in and to brake at once is rare.
+    fn may_brake(&self, object: &Object) -> bool {
+        !object.stands() && self.contact(object, Some(Beside::default())).probability > 0.5
+    }
+
+    /// Authority that the margin is computed with.
     fn counted_on(&self, object: &Object) -> Authority {
         let authority = self.settings.authority;
-        let most_mps2 = if object.stands() { f64::INFINITY } else { COUNTED_ON_MPS2 };
+        let most_mps2 = if self.may_brake(object) { COUNTED_ON_MPS2 } else { f64::INFINITY };
         Authority { deceleration_mps2: authority.deceleration_mps2.min(most_mps2), ..authority }
     }
 
@@ -216,16 +209,11 @@ impl Decision {
         let steady = Threat { acceleration_mps2: threat.acceleration_mps2.min(0.0), ..threat };
         // It lets go of its brakes, which then are off at once.
         let unbraked = Ego { acceleration_mps2: ego.acceleration_mps2.max(0.0), ..*ego };
-        let released =
-            |clear_m| self.contact(object, authority.beside(&unbraked, &steady, NEVER_S, clear_m));
-        let hardest_mps2 = steady.acceleration_mps2.min(self.hardest_mps2);
-        let brakes_on = Threat { acceleration_mps2: hardest_mps2, ..threat };
-        let again = self.counted_on(object).beside(&unbraked, &brakes_on, *period_s, *margin_m);
-        let near = released(*margin_m + CLEAR_M);
-        if near.probability.max(self.contact(object, again).probability) <= REMOTE {
-            return None;
-        }
-        Some(Assessment { loss: near.loss, ..Assessment::default() })
+        let released = authority.beside(&unbraked, &steady, NEVER_S, *margin_m + CLEAR_M);
+        let near = self.contact(object, released);
+        let again = self.counted_on(object).beside(&unbraked, &steady, *period_s, *margin_m);
+        let probability = near.probability.max(self.contact(object, again).probability);
+        (probability > REMOTE).then(|| Assessment { loss: near.loss, ..Assessment::default() })
     }
 
     /// An object while the ego does not brake; `None` for what it does not come near to.
@@ -250,8 +238,7 @@ impl Decision {
             true => is_harder(ego, &counted_on, &threat, wait_s),
             false => {
                 is_late(&counted_on, &threat, wait_s)
-                    || (brakes_too.as_ref())
-                        .is_some_and(|lead| is_late(authority, lead, wait_s + NOTICES_S))
+                    || brakes_too.is_some_and(|lead| is_late(authority, &lead, wait_s + NOTICES_S))
             }
         };
         let share = if kept.probability > CERTAIN { 1.0 } else { BETTER_SHARE };
@@ -262,11 +249,9 @@ impl Decision {
         Some(assessment)
     }
 
-    /// A lead as it may begin to brake. `None` of what is not in the path yet: to come in and to brake at once is rare.
-    /// `None` also where braking as of a driver is enough: then there is time for an answer.
+    /// A lead as it may begin to brake. `None` where braking as of a driver is enough: then there is time for an answer.
     fn brakes_too(&self, ego: &Ego, object: &Object, lead: &Threat) -> Option<Threat> {
-        let is_in_path = || self.contact(object, Some(Beside::default())).probability > 0.5;
-        if object.stands() || !is_in_path() {
+        if !self.may_brake(object) {
             return None;
         }
         let answer = Authority { deceleration_mps2: ANSWER_MPS2, ..self.settings.authority };
@@ -280,20 +265,15 @@ impl Decision {
     fn contact(&self, object: &Object, beside: Option<Beside>) -> Contact {
         let mut contact = Contact::default();
         let Some(beside) = beside else { return contact };
-        let horizon_s = self.settings.horizon_s;
-        for h in object.lateral.states() {
+        for h in &object.lateral.states {
             let inward_mps = -h.rate_mps * h.position_m.signum();
             let offset_m = h.position_m.abs();
             // An object that comes in stays; one that leaves is nearest at once.
-            let (time_s, in_s) = match inward_mps > 0.0 {
-                true => (beside.last_s.min(horizon_s), (offset_m - WIDTH_M) / inward_mps),
-                false => (beside.first_s, 0.0),
-            };
-            let wanders = (1.0 - h.rate_mps.abs() / WANDERING_MPS).max(0.0);
-            let goes_on = libm::exp(-CEASES_PER_S * wanders * in_s.max(0.0));
-            let sigma_m = libm::hypot(h.sigma_after_m(time_s.min(horizon_s)), object.way_sigma_m);
+            let time_s = if inward_mps > 0.0 { beside.last_s } else { beside.first_s };
+            let time_s = time_s.min(self.settings.horizon_s);
+            let sigma_m = libm::hypot(h.sigma_after_m(time_s), object.way_sigma_m);
             let touches = overlap(WIDTH_M, (offset_m - inward_mps * time_s).max(0.0), sigma_m);
-            let probability = object.probability * h.probability * touches * goes_on;
+            let probability = object.probability * h.probability * touches;
             contact.probability += probability;
             contact.loss += probability * (1.0 + beside.first_mps.abs() / SEVERE_MPS);
         }

@@ -6,12 +6,11 @@
 //!
 //! | between two scans | rate, 1/s |
 //! |---|---|
-//! | it begins to change its lane, with each speed that it can have at first alike | [`BEGINS`], less below [`BEGINS_FROM_MPS`] |
+//! | it begins to change its lane, with each speed alike | [`BEGINS`], less below [`BEGINS_FROM_MPS`] |
 //! | it ends the change | [`ENDS`] |
 //! | its speed becomes the next one, up or down | [`VARIES`] each |
 //!
-//! No vehicle moves faster across the lanes than along them, and what stands does not move at all. A crawling object
-//! turns slowly: on its smallest circle its lateral speed grows with v²/R ([`TURNS_M`]).
+//! No vehicle moves faster across the lanes than along them, and what stands does not move at all.
 //!
 //! A measured position corrects the states by Kalman's formulas, and their probabilities by Bayes' rule. A measured
 //! lateral speed corrects the probabilities. Either is an outlier with probability [`OUTLIER`].
@@ -33,10 +32,6 @@ const ENDS: f64 = 0.3;
 const VARIES: f64 = 4.0;
 /// Speed from which it begins at the full rate, m/s. Chosen: lane changes come by the way that is driven.
 const BEGINS_FROM_MPS: f64 = 10.0;
-/// Radius of the smallest circle that a vehicle turns on, m: 11 m between kerbs, as usual cars.
-const TURNS_M: f64 = 5.5;
-/// Time for which it has turned when it is said to have begun, s. Found: as long as the filter needs to see it.
-const TURNED_S: f64 = 0.4;
 /// Growth of the position's variance, m²/s: a vehicle that keeps its lane wanders in it.
 const WANDER_M2PS: f64 = 0.01;
 /// Probability of an outlier, and its density over 1 m or 1 m/s.
@@ -46,13 +41,9 @@ const OUTLIER_DENSITY: f64 = 0.25;
 const KEEPS: f64 = 0.8;
 /// Largest share of a state that becomes the next one between two scans.
 const MOST_VARY: f64 = 0.3;
-/// Variance of a position that is known, m².
-const KNOWN_M2: f64 = 1e-4;
 const LEAST: f64 = 1e-9;
 /// A rate of the row stands for those around it, with this standard deviation, m/s.
 const RATE_SIGMA_MPS: f64 = 0.055;
-/// Least standard deviation of a distance across the lanes, m.
-const LEAST_SIGMA_M: f64 = 1e-3;
 
 type Row = [f64; STATES];
 
@@ -68,7 +59,7 @@ pub struct Lateral {
     /// Mean position, m, left positive.
     pub position_m: f64,
     pub rate_mps: f64,
-    states: [State; STATES],
+    pub states: [State; STATES],
 }
 
 /// A lateral speed: its probability, and the position with it.
@@ -90,7 +81,7 @@ impl State {
 /// Probability that two vehicles overlap. `reach_m` is the sum of their half widths; their middles are `off_m` apart,
 /// with a standard deviation of `sigma_m`.
 pub(crate) fn overlap(reach_m: f64, off_m: f64, sigma_m: f64) -> f64 {
-    let deviates = (reach_m - off_m) / sigma_m.max(LEAST_SIGMA_M);
+    let deviates = (reach_m - off_m) / sigma_m;
     0.5 * libm::erfc(-deviates * std::f64::consts::FRAC_1_SQRT_2)
 }
 
@@ -100,7 +91,7 @@ impl Lateral {
     pub(crate) fn known(position_m: f64, rate_mps: f64) -> Self {
         // Between two rates of the row both are as probable as the rate is near.
         let near = |rate: f64| (1.0 - (rate - rate_mps).abs() / STEP_MPS).max(0.0);
-        let mut lateral = Self::still(position_m);
+        let mut lateral = Self::first(position_m, 0.01);
         lateral.states.iter_mut().for_each(|state| state.probability = near(state.rate_mps));
         lateral.normalise();
         lateral
@@ -108,24 +99,11 @@ impl Lateral {
 
     /// A motion of which one measurement is known, with its standard deviation, m.
     pub fn first(position_m: f64, sigma_m: f64) -> Self {
-        Self::begin(position_m, sigma_m * sigma_m, KEEPS)
-    }
-
-    /// A known place without a lateral speed.
-    pub fn still(position_m: f64) -> Self {
-        Self::begin(position_m, KNOWN_M2, 1.0)
-    }
-
-    fn begin(position_m: f64, variance_m2: f64, keeps: f64) -> Self {
-        let moves = ((1.0 - keeps) / (STATES - 1) as f64).max(LEAST);
-        let state = |rate_mps| State { probability: moves, rate_mps, position_m, variance_m2 };
-        let mut states = RATES_MPS.map(state);
-        states[0].probability = keeps;
+        let (probability, variance_m2) = ((1.0 - KEEPS) / (STATES - 1) as f64, sigma_m * sigma_m);
+        let mut states =
+            RATES_MPS.map(|rate_mps| State { probability, rate_mps, position_m, variance_m2 });
+        states[0].probability = KEEPS;
         Self { position_m, rate_mps: 0.0, states }
-    }
-
-    pub fn states(&self) -> &[State] {
-        &self.states
     }
 
     pub fn position_sigma_m(&self) -> f64 {
@@ -148,10 +126,7 @@ impl Lateral {
         let begins = (BEGINS * (fastest_mps / BEGINS_FROM_MPS).min(1.0) * period_s).min(MOST_VARY);
         let ends = (ENDS * period_s).min(MOST_VARY);
         let varies = (VARIES * period_s).min(MOST_VARY);
-        let at_first_mps = (fastest_mps * fastest_mps / TURNS_M * TURNED_S).max(STEP_MPS);
-        let can_begin = |rate: f64| rate.abs() <= at_first_mps + 0.5 * STEP_MPS;
-        let begun = RATES_MPS.map(|rate| f64::from(u8::from(can_begin(rate))));
-        let beginning = begins / begun[1..].iter().sum::<f64>();
+        let beginning = begins / (STATES - 1) as f64;
         let next = |of: fn(&State) -> f64| -> Row {
             let from = self.states.map(|state| state.probability * of(&state));
             let moving: f64 = from[1..].iter().sum();
@@ -160,7 +135,7 @@ impl Lateral {
                 let (slower, faster) = (k.max(2) - 1, (k + 1).min(STATES - 1));
                 (1.0 - ends - 2.0 * varies) * from[k]
                     + varies * (from[slower] + from[faster])
-                    + beginning * begun[k] * from[0]
+                    + beginning * from[0]
             });
             to[0] = (1.0 - begins) * from[0] + ends * moving;
             to

@@ -133,10 +133,6 @@ impl Objects {
         }
         self.last_scan_ns = Some(scan_ns);
         let period_s = elapsed_ns as f64 / 1e9;
-        if period_s > 1.0 {
-            // Nothing is left of what was known.
-            self.list.clear();
-        }
         for index in 0..self.list.len() {
             let mut object = Object { open_m: Object::OPEN_M, ..self.list[index] };
             self.list.iter().for_each(|nearer| object.take_shadow(nearer));
@@ -153,15 +149,15 @@ impl Objects {
     /// Counts all places along the corridor as it is now. The ego has driven on for `period_s`, and has turned by its
     /// yaw rate meanwhile. A standing object stays in its place in the plane.
     fn turn(&mut self, way: &Way, period_s: f64, ego_mps: f64) {
-        if !way.is_curved() {
+        if !way.is_curved {
             return;
         }
-        let before = std::mem::replace(&mut self.corridor, *way.corridor());
+        let before = std::mem::replace(&mut self.corridor, way.corridor);
         for object in &mut self.list {
             let off_m = object.lateral.position_m;
             let from_before_m = object.distance_m + ego_mps * period_s;
             let place = way.passed(before.to_body(from_before_m, off_m), ego_mps, period_s);
-            let (along_m, now_m) = self.corridor.to_way(place.0, place.1);
+            let ((along_m, now_m), _) = self.corridor.to_way(place.0, place.1);
             object.distance_m = along_m;
             object.lateral.shift(now_m - off_m);
             object.see_along(&self.corridor);

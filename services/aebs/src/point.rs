@@ -15,8 +15,6 @@ const RANGE_SIGMA_M: f64 = 0.1;
 const LEAST_COSINE: f64 = 0.1;
 /// What stands farther off the way is beside the road, m: beyond the neighbouring lanes.
 const ROAD_M: f64 = 5.0;
-/// Largest amplitude in the weights, 30 dB above the noise: one strong echo does not decide alone.
-const STRONGEST: f64 = 31.622_776_601_683_793;
 /// Standard deviation of the place that reflects on a side, m.
 pub(crate) const SIDE_SIGMA_M: f64 = 0.03;
 
@@ -29,7 +27,6 @@ pub(crate) struct Point {
     pub(crate) speed_mps: f64,
     /// Tangent of the angle between the line of sight and the road there.
     pub(crate) tangent: f64,
-    pub(crate) amplitude: f64,
     /// Variance of the lateral position, m².
     pub(crate) variance_m2: f64,
     /// Variance of the speed, m²/s².
@@ -41,7 +38,7 @@ impl Point {
     pub(crate) fn of(detection: &Detection, ego_mps: f64, corridor: &Corridor) -> Option<Self> {
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
-        let ((x_m, y_m), road_rad) = corridor.place(ahead_m, left_m);
+        let ((x_m, y_m), road_rad) = corridor.to_way(ahead_m, left_m);
         let (road_sine, road_cosine) = libm::sincos(detection.azimuth_rad - road_rad);
         if cosine < LEAST_COSINE || road_cosine < LEAST_COSINE {
             return None;
@@ -55,16 +52,14 @@ impl Point {
         let amplitude = libm::exp10(0.05 * detection.snr_db.clamp(0.0, 60.0));
         let weak_rad = WEAK_SIGMA_RAD / amplitude;
         let along_m2 = RANGE_SIGMA_M * RANGE_SIGMA_M * road_sine * road_sine;
-        let cosine2 = cosine * cosine;
-        let across_m2 = along_m2
-            + ahead_m * ahead_m * (AZIMUTH_SIGMA_RAD * AZIMUTH_SIGMA_RAD + weak_rad * weak_rad)
-                / (cosine2 * cosine2);
+        let azimuth_rad2 = AZIMUTH_SIGMA_RAD * AZIMUTH_SIGMA_RAD + weak_rad * weak_rad;
+        let lever_m = detection.range_m / cosine;
+        let across_m2 = along_m2 + lever_m * lever_m * azimuth_rad2;
         Some(Self {
             x_m,
             y_m,
             speed_mps,
             tangent: road_sine / road_cosine,
-            amplitude: amplitude.min(STRONGEST),
             variance_m2: across_m2 + SIDE_SIGMA_M * SIDE_SIGMA_M,
             speed_variance: (RATE_SIGMA_MPS / road_cosine) * (RATE_SIGMA_MPS / road_cosine),
         })

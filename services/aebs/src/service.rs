@@ -95,9 +95,8 @@ pub fn objects(scenario: &Scenario) -> Objects {
 
 /// Sight of a scenario's radar before its first scan.
 pub fn sight(scenario: &Scenario) -> Sight {
-    let radar = &scenario.perception.radar;
-    let half_rad = 0.5 * radar.field_of_view_deg.value().to_radians();
-    Sight::new(half_rad, radar.detections.standing_objects_per_km.value() >= POSTS_PER_KM)
+    let posts_per_km = scenario.perception.radar.detections.standing_objects_per_km.value();
+    Sight::new(posts_per_km >= POSTS_PER_KM)
 }
 
 /// The way ahead on a scenario's road, before its first yaw rate.
@@ -128,8 +127,6 @@ struct Aebs {
     decision: Decision,
     deadline_ns: i64,
     period_ns: i64,
-    /// Time by which detections may be late before the timer releases a cycle.
-    fallback_ns: i64,
     stale_ns: i64,
     decide: Latencies,
     late: Count,
@@ -138,7 +135,7 @@ struct Aebs {
 impl Aebs {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         let way = way(scenario);
-        let road = match way.is_curved() {
+        let road = match way.is_curved {
             true => Some((runtime.subscriber()?, runtime.subscriber()?)),
             false => None,
         };
@@ -155,7 +152,6 @@ impl Aebs {
             decision: Decision::new(settings(scenario)),
             deadline_ns: i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000,
             period_ns,
-            fallback_ns: period_ns / 2,
             stale_ns: latency_ns + STALE_PERIODS * period_ns,
             decide: runtime.figures().latencies(DECIDE)?,
             late: runtime.figures().count(LATE)?,
@@ -163,7 +159,9 @@ impl Aebs {
     }
 
     fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
-        let Some(release) = runtime.next_release_by(&mut self.detections, self.fallback_ns)? else {
+        // The timer releases a cycle if detections are late by half a period.
+        let late_ns = self.period_ns / 2;
+        let Some(release) = runtime.next_release_by(&mut self.detections, late_ns)? else {
             return Ok(Cycle::Last);
         };
         // The detections come last of all that a step makes wait for.
@@ -244,7 +242,7 @@ impl Aebs {
         let state = demand.map_or(BrakeState::Blind, |demand| demand.state);
         let is_idle = matches!(state, BrakeState::Monitoring | BrakeState::Warning);
         message.state =
-            if is_idle && self.sight.is_blind() { BrakeState::Blind } else { state } as u32;
+            if is_idle && self.sight.is_blind { BrakeState::Blind } else { state } as u32;
         message.objects = u32::try_from(self.objects.confirmed().count()).unwrap_or(u32::MAX);
         let demand = demand.unwrap_or_default();
         message.deceleration_mps2 = demand.deceleration_mps2;

@@ -19,14 +19,12 @@ const MEMORY_S: f64 = 1.0;
 /// An echo is strong from this signal-to-noise ratio on, dB. Chosen: 10 dB above the usual threshold of 12 dB. Nine of
 /// ten such echoes of Swerling's case 1 come again.
 const STRONG_DB: f64 = 22.0;
-/// Nearer echoes are left out, m: their direction changes much from scan to scan.
-const NEAREST_M: f64 = 15.0;
+/// Nearer echoes are left out, m: their direction changes much from scan to scan, and posts leave the field of view.
+const NEAREST_M: f64 = 25.0;
 /// Farther echoes are left out, m: they are weak.
 const FARTHEST_M: f64 = 80.0;
 /// An echo that came again is this near in range, m, range rate, m/s, and azimuth, rad.
 const GATE: (f64, f64, f64) = (1.5, 1.5, 0.06);
-/// Echoes are left out this near to the edge of the field of view, rad.
-const EDGE_RAD: f64 = 0.1;
 /// Share below which the emergency brake is blind. Chosen: with one echo in three scans an object needs half a second
 /// to be confirmed. A warning precedes the braking by at least as much (UN R152, 5.2.1.1).
 const BLIND_BELOW: f64 = 0.33;
@@ -45,13 +43,13 @@ pub struct Sight {
     expected: f64,
     dark_s: f64,
     has_posts: bool,
-    half_field_of_view_rad: f64,
-    is_blind: bool,
+    /// Too little is seen to brake in time for what comes.
+    pub is_blind: bool,
 }
 
 impl Sight {
-    /// A radar with this field of view to each side, rad, on a road that `has_posts` beside it.
-    pub fn new(half_field_of_view_rad: f64, has_posts: bool) -> Self {
+    /// A radar on a road that `has_posts` beside it.
+    pub fn new(has_posts: bool) -> Self {
         Self {
             echoes: Vec::with_capacity(MAX_ECHOES),
             last_ns: None,
@@ -59,7 +57,6 @@ impl Sight {
             expected: ASSUMED,
             dark_s: 0.0,
             has_posts,
-            half_field_of_view_rad,
             is_blind: false,
         }
     }
@@ -86,14 +83,11 @@ impl Sight {
                 self.came += f64::from(u8::from(detections.iter().any(is_again)));
             }
         }
-        let within_rad = self.half_field_of_view_rad - EDGE_RAD;
         let strong =
             (detections.iter()).filter(|echo| echo.snr_db > STRONG_DB && echo.ambiguity_group == 0);
         let is_dark = strong.clone().next().is_none();
         self.dark_s = if is_dark { self.dark_s + period_s } else { 0.0 };
-        let compared = strong.filter(|echo| {
-            (NEAREST_M..FARTHEST_M).contains(&echo.range_m) && echo.azimuth_rad.abs() < within_rad
-        });
+        let compared = strong.filter(|echo| (NEAREST_M..FARTHEST_M).contains(&echo.range_m));
         self.echoes.clear();
         self.echoes.extend(compared.take(MAX_ECHOES));
         self.is_blind = self.share() < if self.is_blind { SEES_FROM } else { BLIND_BELOW };
@@ -110,11 +104,6 @@ impl Sight {
     /// Share of the scans in which an object is to be expected: less than 1 while blind.
     pub fn expected_share(&self) -> f64 {
         if self.is_blind { self.share() } else { 1.0 }
-    }
-
-    /// True if too little is seen to brake in time for what comes.
-    pub fn is_blind(&self) -> bool {
-        self.is_blind
     }
 }
 
@@ -144,26 +133,26 @@ mod tests {
             let shown = if sees(scan) { &posts[..] } else { &[] };
             sight.take_scan(scan * 50_000_000, shown);
         }
-        sight.is_blind()
+        sight.is_blind
     }
 
     #[test]
     fn a_radar_that_shows_its_echoes_again_sees() {
-        let mut sight = Sight::new(0.52, true);
+        let mut sight = Sight::new(true);
         assert!(!drive(&mut sight, 0..100, |_| true));
         assert!(sight.share() > 0.95, "{}", sight.share());
     }
 
     #[test]
     fn one_scan_of_six_is_blind_and_all_of_them_are_not_again() {
-        let mut sight = Sight::new(0.52, true);
+        let mut sight = Sight::new(true);
         assert!(drive(&mut sight, 0..100, |scan| scan % 6 == 0));
         assert!(!drive(&mut sight, 100..200, |_| true));
     }
 
     #[test]
     fn half_of_the_scans_in_pairs_keep_a_state_between_its_two_limits() {
-        let mut sight = Sight::new(0.52, true);
+        let mut sight = Sight::new(true);
         // In two scans in a row the second one shows what the first one did; then two show nothing.
         assert!(!drive(&mut sight, 0..200, |scan| scan % 4 < 2), "{}", sight.share());
         assert!((BLIND_BELOW..SEES_FROM + 0.1).contains(&sight.share()), "{}", sight.share());
@@ -171,15 +160,15 @@ mod tests {
 
     #[test]
     fn darkness_is_blind_where_there_are_posts_only() {
-        let mut among_posts = Sight::new(0.52, true);
+        let mut among_posts = Sight::new(true);
         assert!(!drive(&mut among_posts, 0..20, |_| false), "not yet");
         assert!(drive(&mut among_posts, 20..22, |_| false));
-        assert!(!drive(&mut Sight::new(0.52, false), 0..100, |_| false));
+        assert!(!drive(&mut Sight::new(false), 0..100, |_| false));
     }
 
     #[test]
     fn an_old_scan_is_passed_over() {
-        let mut sight = Sight::new(0.52, true);
+        let mut sight = Sight::new(true);
         drive(&mut sight, 0..10, |_| true);
         let share = sight.share();
         sight.take_scan(0, &[]);

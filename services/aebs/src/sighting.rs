@@ -9,9 +9,7 @@ use crate::point::{Point, SIDE_SIGMA_M};
 const FACE_M: [f64; 2] = [0.6, 1.2];
 /// Points behind the face by more than this are of a side, m.
 const SIDE_BEHIND_M: f64 = 0.45;
-/// Points of a face that are this far apart are its two corners, m.
-const BOTH_CORNERS_M: f64 = 1.4;
-/// Standard deviation of the middle of a face, m; with both corners apart; and by range.
+/// Standard deviation of the middle of a face, m: of few points, with both corners, and by range.
 const FACE_SIGMA_M: f64 = 0.3;
 const CORNERS_SIGMA_M: f64 = 0.1;
 const FACE_SIGMA_RAD: f64 = 0.0025;
@@ -102,7 +100,8 @@ fn lateral(object: &Object, points: &[Point], shows_its_face: bool) -> Option<(f
     let (weight, sum_m) = seen.fold((0.0, 0.0), |(weight, sum_m), (middle_m, variance_m2)| {
         (weight + 1.0 / variance_m2, sum_m + middle_m / variance_m2)
     });
-    (weight > 0.0).then(|| (sum_m / weight, 1.0 / weight))
+    let by_range_m = FACE_SIGMA_RAD * object.distance_m;
+    (weight > 0.0).then(|| (sum_m / weight, 1.0 / weight + by_range_m * by_range_m))
 }
 
 fn middle_by_side(object: &Object, points: &[Point]) -> Option<(f64, f64)> {
@@ -121,25 +120,18 @@ fn middle_by_side(object: &Object, points: &[Point]) -> Option<(f64, f64)> {
     (weight > 0.0).then(|| (sum_m / weight, 1.0 / weight + SIDE_SIGMA_M * SIDE_SIGMA_M))
 }
 
+/// The middle of a face is between its outermost points. In the room that they leave on the body it is equally probable.
 fn middle_of_face(object: &Object, points: &[Point]) -> Option<(f64, f64)> {
-    let face = face(object, points, FACE_M[0]);
-    let ends_m = face.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), point| {
-        (f64::min(least, point.y_m), f64::max(most, point.y_m))
-    });
-    let (amplitude, moment_m) = face.fold((0.0, 0.0), |(amplitude, moment_m), point| {
-        (amplitude + point.amplitude, moment_m + point.amplitude * point.y_m)
-    });
-    let (middle_m, sigma_m) = if ends_m.1 - ends_m.0 > BOTH_CORNERS_M {
-        (0.5 * (ends_m.0 + ends_m.1), CORNERS_SIGMA_M)
-    } else {
-        (moment_m / amplitude, FACE_SIGMA_M)
-    };
-    let by_range_m = FACE_SIGMA_RAD * object.distance_m;
+    let places_m = face(object, points, FACE_M[0]).map(|point| point.y_m);
+    let (least_m, most_m) = (places_m.clone().reduce(f64::min)?, places_m.reduce(f64::max)?);
+    let middle_m = 0.5 * (least_m + most_m);
+    let room_m = (2.0 * SIDE_M - (most_m - least_m)).max(0.0);
+    let sigma_m = (room_m / 12.0_f64.sqrt()).clamp(CORNERS_SIGMA_M, FACE_SIGMA_M);
     // Seen is the middle of a strip from the shadow to a corner. Half of the strip is missing to half of the body.
     let hidden = |open_m: f64| (SIDE_M - open_m.max(0.0)).max(0.0);
     let hidden_m = hidden(object.open_m.1 - middle_m) - hidden(middle_m - object.open_m.0);
-    let variance_m2 = sigma_m * sigma_m + by_range_m * by_range_m + hidden_m * hidden_m / 12.0;
-    (amplitude > 0.0).then_some((middle_m + hidden_m, variance_m2))
+    let variance_m2 = sigma_m * sigma_m + hidden_m * hidden_m / 12.0;
+    Some((middle_m + hidden_m, variance_m2))
 }
 
 /// Lateral speed from the range rates' dependence on the direction, m/s, with its variance.

@@ -37,7 +37,8 @@ const GATE: f64 = 3.0;
 pub struct Way {
     bumper_m: f64,
     slip_rad_per_mps2: f64,
-    is_curved: bool,
+    /// The road may have curves.
+    pub(crate) is_curved: bool,
     curvature_perm: f64,
     yaw_rate_radps: f64,
     speed_mps: f64,
@@ -46,7 +47,7 @@ pub struct Way {
     scan_ns: Option<i64>,
     /// Mean curvature of the course less that of the circle, 1/m.
     differs_perm: f64,
-    corridor: Corridor,
+    pub corridor: Corridor,
 }
 
 impl Way {
@@ -91,23 +92,18 @@ impl Way {
         let driven_m = self.speed_mps * age_s;
         let cell = ((driven_m / COURSE_CELL_M) as usize).min(COURSE_CELLS - 1);
         // Most last points to brake are some 50 m ahead.
-        let course_sigma_perm = 2.0 * course.sigma_50_m / (50.0 * 50.0);
+        let spread_perm = 2.0 * course.sigma_50_m / (50.0 * 50.0);
         let here_perm = course.curvatures_perm[cell];
         let off_perm = here_perm - self.curvature_perm;
         self.differs_perm += (period_s / MEMORY_S).min(1.0) * (off_perm - self.differs_perm);
-        let sigma_perm = libm::hypot(SIGMA_PERM, course_sigma_perm);
+        let sigma_perm = libm::hypot(SIGMA_PERM, spread_perm);
         if self.differs_perm.abs() <= GATE * sigma_perm {
             // The road turns on the way as its cells say, and the body by its yaw rate.
             let turned_rad = here_perm * driven_m - self.yaw_rate_radps * age_s;
             let heading_rad = course.heading_rad + turned_rad;
-            let cells_perm = &course.curvatures_perm;
             self.corridor =
-                Corridor::of_cells(cells_perm, driven_m, heading_rad, course_sigma_perm);
+                Corridor::of_cells(&course.curvatures_perm, driven_m, heading_rad, spread_perm);
         }
-    }
-
-    pub fn corridor(&self) -> &Corridor {
-        &self.corridor
     }
 
     /// A point of the body as seen when the ego has driven on for `time_s` with `ego_mps`.
@@ -117,11 +113,6 @@ impl Way {
         let chord_rad = self.heading_rad() + 0.5 * turn_rad;
         let (driven_m, aside_m) = seen_turned((ego_mps * time_s, 0.0), -chord_rad);
         seen_turned((x_m - driven_m, y_m - aside_m), turn_rad)
-    }
-
-    /// True on a road that may have curves.
-    pub(crate) fn is_curved(&self) -> bool {
-        self.is_curved
     }
 
     fn heading_rad(&self) -> f64 {

@@ -33,7 +33,7 @@ fn blind_share(dropout: f64, seed: u64) -> f64 {
         let scene = Scene::new(scan * PERIOD_NS, ego, &[lead]);
         let received = radar.scan(None, &scene, &mut detections);
         sight.take_scan(scan * PERIOD_NS, &detections[..received.count]);
-        blind += u32::from(scan >= 40 && sight.is_blind());
+        blind += u32::from(scan >= 40 && sight.is_blind);
     }
     f64::from(blind) / 200.0
 }

@@ -208,22 +208,19 @@ fn an_unseen_threat_is_braked_for_during_its_time_alone() {
 }
 
 #[test]
-fn it_lets_go_of_a_lead_that_is_faster_and_far_but_not_of_a_near_one_that_braked_hard() {
-    let lets_go = |gap_m: f64, braked_mps2: f64| {
+fn it_lets_go_of_a_lead_that_is_faster_but_not_of_a_near_one_that_brakes_on() {
+    let lets_go = |gap_m: f64, acceleration_mps2: f64| {
         let mut decision = braking();
-        let hard = Object { acceleration_mps2: braked_mps2, ..in_way(gap_m, 20.5) };
-        step(&mut decision, &MOVING, [hard]);
-        let steady = in_way(gap_m, 20.5);
+        let lead = Object { acceleration_mps2, ..in_way(gap_m, 20.5) };
         // An object that is of no interest is braked for as long as one that is not seen.
-        for _ in 0..8 {
-            step(&mut decision, &MOVING, [steady]);
+        for _ in 0..9 {
+            step(&mut decision, &MOVING, [lead]);
         }
         decision.state == BrakeState::Monitoring
     };
     assert!(lets_go(30.0, 0.0));
-    assert!(lets_go(30.0, -5.0), "30 m are enough to brake again");
     assert!(lets_go(4.0, 0.0), "a steady lead that is no slower");
-    assert!(!lets_go(4.0, -6.0), "it may brake on");
+    assert!(!lets_go(4.0, -6.0), "it brakes on");
 }
 
 #[test]
@@ -251,7 +248,7 @@ fn a_warning_comes_first_and_ends_with_its_threat() {
 
 #[test]
 fn a_vehicle_that_comes_in_is_not_expected_to_brake_as_well_and_a_lead_is() {
-    // 18 m/s faster. With 6 m/s² that is 27 m and the onset. A lead that also brakes needs about 15 m more.
+    // 18 m/s faster. With the whole authority that is 19 m and the onset. A lead that also brakes needs much more.
     let first_braking_m = |offset_m: f64, inward_mps: f64| {
         let mut decision = Decision::new(settings());
         let ego = Ego { speed_mps: 25.0, acceleration_mps2: 0.0 };
@@ -263,7 +260,7 @@ fn a_vehicle_that_comes_in_is_not_expected_to_brake_as_well_and_a_lead_is() {
     let lead_m = first_braking_m(0.0, 0.0).expect("it brakes for a lead");
     let beside_m = first_braking_m(2.6, 1.0).expect("it brakes for what comes in");
     assert!(lead_m > beside_m + 4.0, "{lead_m} {beside_m}");
-    assert!(beside_m > 30.0, "{beside_m}");
+    assert!(beside_m > 27.0, "{beside_m}");
 }
 
 #[test]

@@ -239,7 +239,7 @@ mod in_curves {
         for k in 0..scans {
             way.take(k * PERIOD_NS, EGO_MPS / radius_m, EGO_MPS);
             way.look(k * PERIOD_NS, None, 0);
-            let mut list = scan(k as f64 * 0.05, way.corridor());
+            let mut list = scan(k as f64 * 0.05, &way.corridor);
             list.sort_by(|a, b| a.range_m.total_cmp(&b.range_m));
             objects.take_scan(&way, 1.0, k * PERIOD_NS, EGO_MPS, &list);
         }
@@ -290,7 +290,7 @@ mod in_curves {
                 if k > 500 {
                     let object = objects.confirmed().next().expect("it is followed");
                     let (body_x_m, body_y_m) =
-                        way.corridor().to_body(object.distance_m, object.lateral.position_m);
+                        way.corridor.to_body(object.distance_m, object.lateral.position_m);
                     assert!((body_x_m - ahead_m).abs() < 0.3, "{k}: {object:?} {ahead_m}");
                     assert!((body_y_m - left_m).abs() < 0.3, "{k}: {object:?} {left_m}");
                     assert!(object.lateral.rate_mps.abs() < 1e-3, "{k}: {object:?}");

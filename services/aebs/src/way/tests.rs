@@ -74,7 +74,7 @@ fn ahead_perm(own_perm: f64, course: &Course, scans: i64) -> f64 {
         newest.header.acquisition_ns += scan * PERIOD_NS;
         way.look(scan * PERIOD_NS, Some(&newest), STALE_NS);
     }
-    let corridor = way.corridor();
+    let corridor = &way.corridor;
     (corridor.heading_rad(51.0) - corridor.heading_rad(50.0)) / 1.0
 }
 
@@ -113,7 +113,7 @@ fn an_older_course_is_moved_on_by_the_way_and_the_turn() {
     bend.heading_rad = 0.01;
     way.look(200_000_000, Some(&bend), STALE_NS);
     // 4 m of 20 m are driven. Road and body have turned by the same 0.02 rad.
-    let corridor = way.corridor();
+    let corridor = &way.corridor;
     assert_near(corridor.heading_rad(0.0), 0.01);
     assert_near(corridor.heading_rad(40.0), 0.01 + 16.0 * 0.005);
 }
@@ -125,7 +125,7 @@ fn what_stands_is_seen_from_the_place_and_the_heading_after_a_step() {
     // A quarter of a second on a circle of 125 m: 5 m and 0.04 rad.
     let circle = Corridor::circle(1.0 / 125.0, 0.0, 0.0);
     let (x_m, y_m) = way.passed(circle.to_body(40.0, -3.5), 20.0, 0.25);
-    let (along_m, off_m) = circle.to_way(x_m, y_m);
+    let ((along_m, off_m), _) = circle.to_way(x_m, y_m);
     assert!((along_m - 35.0).abs() < 1e-3 && (off_m + 3.5).abs() < 1e-3, "{along_m} {off_m}");
 }
 
@@ -133,5 +133,5 @@ fn what_stands_is_seen_from_the_place_and_the_heading_after_a_step() {
 fn a_straight_road_has_no_course() {
     let mut way = Way::default();
     way.look(0, Some(&course(0, 0.0)), STALE_NS);
-    assert_eq!(way.corridor(), &Corridor::default());
+    assert_eq!(way.corridor, Corridor::default());
 }
