@@ -105,7 +105,8 @@ fn lateral(object: &Object, points: &[Point], shows_its_face: bool) -> Option<(f
 }
 
 fn middle_by_side(object: &Object, points: &[Point]) -> Option<(f64, f64)> {
-    let (side, shown_m) = object.shown_side()?;
+    let is_open = |shown_m: f64| object.open_m.0 < shown_m && shown_m < object.open_m.1;
+    let (side, shown_m) = object.shown_side().filter(|(_, shown_m)| is_open(*shown_m))?;
     let sigma_m = object.lateral.position_sigma_m();
     let (mut weight, mut sum_m) = (0.0, 0.0);
     for point in points {

@@ -28,6 +28,9 @@ fn a_side_says_where_the_middle_is() {
     }
     let ahead = Object::at(20.0, 10.0, 0.0, 0.0);
     assert_eq!(lateral(&ahead, &[point(22.0, 0.9)], false), None);
+    // A nearer vehicle hides the side up to 2.7 m: what is seen there is of another part.
+    let shaded = Object { open_m: (2.7, f64::INFINITY), ..Object::at(20.0, 10.0, 3.5, 0.0) };
+    assert_eq!(lateral(&shaded, &[point(21.0, 2.6)], false), None);
 }
 
 #[test]
