@@ -195,10 +195,10 @@ impl Decision {
         !object.stands() && self.contact(object, Some(Beside::default())).probability > 0.5
     }
 
-    /// Authority that the margin is computed with.
-    fn counted_on(&self, object: &Object) -> Authority {
+    /// Authority that the margin is computed with, before an object that may begin to brake or not.
+    fn counted_on(&self, may_brake: bool) -> Authority {
         let authority = self.settings.authority;
-        let most_mps2 = if self.may_brake(object) { COUNTED_ON_MPS2 } else { f64::INFINITY };
+        let most_mps2 = if may_brake { COUNTED_ON_MPS2 } else { f64::INFINITY };
         Authority { deceleration_mps2: authority.deceleration_mps2.min(most_mps2), ..authority }
     }
 
@@ -211,7 +211,8 @@ impl Decision {
         let unbraked = Ego { acceleration_mps2: ego.acceleration_mps2.max(0.0), ..*ego };
         let released = authority.beside(&unbraked, &steady, NEVER_S, *margin_m + CLEAR_M);
         let near = self.contact(object, released);
-        let again = self.counted_on(object).beside(&unbraked, &steady, *period_s, *margin_m);
+        let counted_on = self.counted_on(self.may_brake(object));
+        let again = counted_on.beside(&unbraked, &steady, *period_s, *margin_m);
         let probability = near.probability.max(self.contact(object, again).probability);
         (probability > REMOTE).then(|| Assessment { loss: near.loss, ..Assessment::default() })
     }
@@ -232,8 +233,9 @@ impl Decision {
             let beside = authority.beside(ego, threat, wait_s, *margin_m);
             self.contact(object, beside).probability > REMOTE
         };
-        let counted_on = self.counted_on(object);
-        let brakes_too = self.brakes_too(ego, object, &threat);
+        let may_brake = self.may_brake(object);
+        let counted_on = self.counted_on(may_brake);
+        let brakes_too = if may_brake { self.brakes_too(ego, object, &threat) } else { None };
         let late = |wait_s: f64| match threat.speed_mps < -ONCOMING_MPS {
             true => is_harder(ego, &counted_on, &threat, wait_s),
             false => {
@@ -251,9 +253,6 @@ impl Decision {
 
     /// A lead as it may begin to brake. `None` where braking as of a driver is enough: then there is time for an answer.
     fn brakes_too(&self, ego: &Ego, object: &Object, lead: &Threat) -> Option<Threat> {
-        if !self.may_brake(object) {
-            return None;
-        }
         let answer = Authority { deceleration_mps2: ANSWER_MPS2, ..self.settings.authority };
         let touched = answer.beside(ego, lead, 0.0, 0.0);
         let acceleration_mps2 = lead.acceleration_mps2.min(-LEAD_MAY_BRAKE_MPS2);
