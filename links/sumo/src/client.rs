@@ -362,7 +362,7 @@ impl Client {
                 });
             }
         }
-        // What the egos announced in this step.
+        // The egos' announcements of this step.
         while !answer.0.is_empty() {
             let (_, mut words, _) = answer.command()?;
             let id = words.text()?;

@@ -60,7 +60,7 @@ struct Ego {
     vehicle: Option<String>,
     /// Answers to the commands before a step, and the time to which it asks to step, s.
     waits: Option<(Vec<u8>, f64)>,
-    /// What it last announced to the others.
+    /// Its last announcement to the others.
     announces: Vec<u8>,
 }
 

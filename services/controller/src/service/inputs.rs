@@ -12,7 +12,7 @@ pub(super) struct Inputs {
     pub(super) radar: Subscriber<RadarTracks>,
     pub(super) spat: Subscriber<Spat>,
     pub(super) map: Subscriber<Map>,
-    /// Of the other egos in a net.
+    /// Motions of the other egos in a net.
     pub(super) motions: Option<Subscriber<AnnouncedMotions>>,
     /// A truck's alone.
     truck: Option<(Subscriber<Powertrain>, Subscriber<Preview>)>,
