@@ -268,3 +268,55 @@ fn a_change_shorter_than_the_clock_is_done_at_once() {
     near(run.to(1.0).lead().speed_mps, 10.0, 1e-9);
     near(run.to(2.0).lead().s_m, 60.0 + 20.0 + 10.0, 1e-6);
 }
+
+fn beside(given: &str, bounds: &str) -> String {
+    format!(
+        "<LateralAction><LateralDistanceAction entityRef=\"Ego\" {given}>{bounds}</LateralDistanceAction></LateralAction>"
+    )
+}
+
+#[test]
+fn a_lateral_distance_is_reached_within_its_bounds_and_kept() {
+    let given = |more: &str, continuous: bool| {
+        format!("distance=\"1.5\" freespace=\"true\" continuous=\"{continuous}\" {more}")
+    };
+    let bounds =
+        "<DynamicConstraints maxAcceleration=\"1\" maxDeceleration=\"1\" maxSpeed=\"0.5\"/>";
+    // Both are 2 m wide, and the ego is at -2 m.
+    let mut at_once =
+        after(&beside(&given("displacement=\"leftToReferencedEntity\"", true), "")).run();
+    near(at_once.to(0.99).lead().t_m, -2.0, 0.0);
+    near(at_once.to(1.0).lead().t_m, -2.0 + 3.5, 1e-9);
+    let right = given("displacement=\"rightToReferencedEntity\"", true);
+    let mut bounded = after(&beside(&right, bounds)).run();
+    let (mut last, mut fastest): (f64, f64) = (-2.0, 0.0);
+    for step in 100..2000 {
+        let lead = bounded.to(f64::from(step) * STEP_S).lead();
+        fastest = fastest.max((lead.t_m - last).abs() / STEP_S);
+        last = lead.t_m;
+    }
+    near(fastest, 0.5, 1e-9);
+    near(last, -2.0 - 3.5, 0.01);
+    // It goes along when the ego moves across, also by the origins.
+    bounded.ego.t_m += 1.0;
+    near(bounded.to(40.0).lead().t_m, -1.0 - 3.5, 0.01);
+    let stories = story(&[
+        event("E", "override", &[&beside(&given("", false), bounds)], &trigger(&[&at(1.0)])),
+        event(
+            "Next",
+            "parallel",
+            &[&speed("step", "time", 0.0, 5.0)],
+            &trigger(&[&state("none", 0.0, "event", "E", "completeState")]),
+        ),
+    ]);
+    let mut once = Parts { stories, ..Parts::default() }.run();
+    near(once.to(4.0).lead().speed_mps, 20.0, 0.0);
+    near(once.to(20.0).lead().speed_mps, 5.0, 0.0);
+    near(once.lead().t_m, -2.0 + 3.5, 0.06);
+    // Without a distance that of now is kept.
+    let kept = beside("freespace=\"false\" continuous=\"true\"", "");
+    let init = private("Lead", &[&place(-2, 60.0), &speed("step", "time", 0.0, 20.0)]);
+    let mut kept = Parts { init, ..after(&kept) }.run();
+    kept.to(2.0).ego.t_m += 1.0;
+    near(kept.to(3.0).lead().t_m, -6.0 + 1.0, 1e-9);
+}

@@ -227,3 +227,45 @@ fn a_headway_to_an_entity_behind_does_not_exist() {
     never(&headway("Lead", "Ego", "lessThan"), 20.0);
     first(&headway("Lead", "Ego", "greaterThan"), 100.0, 0.73);
 }
+
+/// Time at which the part of the road around an entity is no longer clear.
+fn taken(entity: &str, given: &str, inside: &str, lead_lane: i32) -> Option<f64> {
+    let test = format!("<RelativeClearanceCondition {given}>{inside}</RelativeClearanceCondition>");
+    let init = private("Lead", &[&place(lead_lane, 60.0), &speed("step", "time", 0.0, 20.0)]);
+    let stop = trigger(&[&by_entity("falling", 0.0, entity, &test)]);
+    let mut run = Parts { stop, init, ..Parts::default() }.run();
+    run.ego.speed_mps = 30.0;
+    let times = (0..=800).map(|k| f64::from(k) * STEP_S);
+    times.into_iter().find(|t| run.to(*t).world.is_stopped())
+}
+
+#[test]
+fn a_clearance_is_of_lanes_and_distances() {
+    let given = |opposite: bool, freespace: bool, more: &str| {
+        format!("oppositeLanes=\"{opposite}\" freeSpace=\"{freespace}\" {more}")
+    };
+    let near = |found: Option<f64>, expected_s: f64| {
+        let found = found.expect("it is taken at some time");
+        assert!((found - expected_s).abs() <= 1.5 * STEP_S, "{found} is not {expected_s}");
+    };
+    let ahead = "distanceForward=\"30\"";
+    // 50 m apart, closing at 10 m/s; the lead's rear is 1 m behind its origin, the ego's front 3 m ahead of its own.
+    near(taken("Ego", &given(false, false, ahead), "", -1), 2.0);
+    near(taken("Ego", &given(false, true, ahead), "", -1), 1.9);
+    let behind = given(false, true, "distanceBackward=\"30\"");
+    near(taken("Lead", &behind, "", -1), 1.7);
+    let own = "<RelativeLaneRange from=\"0\" to=\"0\"/>";
+    near(taken("Ego", &given(false, false, ahead), own, -1), 2.0);
+    for (lane, range) in [(-1, "from=\"1\""), (-2, "to=\"-2\""), (-2, "from=\"0\" to=\"0\"")] {
+        let range = format!("<RelativeLaneRange {range}/>");
+        assert_eq!(taken("Ego", &given(false, false, ahead), &range, lane), None);
+    }
+    near(taken("Ego", &given(false, false, ahead), "<RelativeLaneRange to=\"-1\"/>", -2), 2.0);
+    // Lane 1 is on the left and of the other direction.
+    assert_eq!(taken("Ego", &given(false, false, ahead), "", 1), None);
+    near(taken("Ego", &given(true, false, ahead), "<RelativeLaneRange from=\"1\"/>", 1), 2.0);
+    let (lead, walker) =
+        ["Lead", "Walker"].map(|name| format!("<EntityRef entityRef=\"{name}\"/>")).into();
+    near(taken("Ego", &given(false, false, ahead), &lead, -1), 2.0);
+    assert_eq!(taken("Ego", &given(false, false, ahead), &walker, -1), None);
+}

@@ -35,10 +35,6 @@ fn actions_outside_the_subset() {
         ],
     );
     refused(
-        &with_event("<LateralAction><LateralDistanceAction/></LateralAction>"),
-        &["in `LateralAction` is not supported: no distance across the road is kept, expected"],
-    );
-    refused(
         &with_event(&speed("bezier", "time", 1.0, 1.0)),
         &[
             "attribute `dynamicsShape` of `SpeedActionDynamics`: `bezier` is not supported, expected `linear`, `cubic`, `sinusoidal` or `step`",

@@ -16,7 +16,6 @@ const REFUSED: &[(&str, &str)] = &[
     ("Trailer", "no vehicle pulls a trailer"),
     ("ClothoidSpline", "a trajectory is a `Polyline`, a `Clothoid` or a `Nurbs`"),
     ("FromCurrentEntity", "the place of an entity is a `RelativeRoadPosition`"),
-    ("LateralDistanceAction", "no distance across the road is kept"),
 ];
 
 /// True if a file is of the format, in one of some versions.

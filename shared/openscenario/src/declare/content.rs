@@ -46,7 +46,7 @@ macro_rules! choices {
 
 choices! {
     (A B) (A B C) (A B C D) (A B C D E) (A B C D E F) (A B C D E F G) (A B C D E F G H) (A B C D E F G H I)
-    (A B C D E F G H I J K L M)
+    (A B C D E F G H I J K L M N)
 }
 
 /// A choice with its place: its reader returns both.

@@ -17,6 +17,8 @@ pub enum Action {
     },
     /// A distance to another entity is reached, and kept if continuous.
     Distance(Distance),
+    /// A lateral distance to another entity is reached, and kept if continuous.
+    Aside(Aside),
     /// The lateral position follows a shape to another lane.
     LaneChange {
         target: LaneTarget,
@@ -67,6 +69,7 @@ impl Action {
         match self {
             Self::Profile(profile) => profile.relative_to,
             Self::Meet(meeting) => Some(meeting.master),
+            Self::Aside(aside) => Some(aside.entity),
             _ => None,
         }
     }
@@ -134,6 +137,29 @@ word_enums! {
         Behind: "trailingReferencedEntity",
         Ahead: "leadingReferencedEntity",
     }
+
+    /// A side of another entity, as that one faces.
+    LateralSide {
+        /// The side on which the entity is now.
+        Any: "any",
+        Left: "leftToReferencedEntity",
+        Right: "rightToReferencedEntity",
+    }
+}
+
+/// A distance beside another entity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Aside {
+    pub entity: usize,
+    /// Without one the distance at the start is kept, m.
+    pub distance_m: Option<f64>,
+    /// True if it counts between the bodies, not the origins.
+    pub freespace: bool,
+    pub side: LateralSide,
+    /// Does not end by itself.
+    pub continuous: bool,
+    /// Bounds on the motion across the road. Without them the entity is there at once.
+    pub limits: Option<Bounds>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

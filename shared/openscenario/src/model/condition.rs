@@ -78,7 +78,7 @@ pub enum Test {
 }
 
 /// A test of one entity.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EntityTest {
     /// At the road's end for that long, s.
@@ -92,11 +92,21 @@ pub enum EntityTest {
     /// At least that far since the start, m.
     TraveledDistance(f64),
     /// Acceleration, m/s².
-    Acceleration { rule: Rule, value: f64 },
+    Acceleration {
+        rule: Rule,
+        value: f64,
+    },
     /// Speed, m/s.
-    Speed { rule: Rule, value: f64 },
+    Speed {
+        rule: Rule,
+        value: f64,
+    },
     /// Own speed minus another's, m/s.
-    RelativeSpeed { entity: usize, rule: Rule, value: f64 },
+    RelativeSpeed {
+        entity: usize,
+        rule: Rule,
+        value: f64,
+    },
     /// Near a position.
     ReachPosition {
         position: Position,
@@ -104,11 +114,39 @@ pub enum EntityTest {
         tolerance_m: f64,
     },
     /// Distance, m.
-    Distance { to: Measured, rule: Rule, value: f64 },
+    Distance {
+        to: Measured,
+        rule: Rule,
+        value: f64,
+    },
     /// Distance over own speed, s.
-    Headway { to: Measured, rule: Rule, value: f64 },
+    Headway {
+        to: Measured,
+        rule: Rule,
+        value: f64,
+    },
     /// Distance over closing speed, s.
-    TimeToCollision { to: Measured, rule: Rule, value: f64 },
+    TimeToCollision {
+        to: Measured,
+        rule: Rule,
+        value: f64,
+    },
+    Clearance(Clearance),
+}
+
+/// A part of the road around an entity without others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Clearance {
+    /// The others that count; an empty list stands for all.
+    pub entities: Vec<usize>,
+    /// Ranges of lanes to the left of the entity's own, both ends included; an empty list stands for all lanes.
+    pub lanes: Vec<(i32, i32)>,
+    pub ahead_m: f64,
+    pub behind_m: f64,
+    /// True if a body counts with its whole extent, not with its origin alone.
+    pub freespace: bool,
+    /// Lanes of the other direction count too.
+    pub opposite: bool,
 }
 
 /// The other body of a collision.

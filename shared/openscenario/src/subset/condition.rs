@@ -5,14 +5,14 @@ use super::entity::EntityRef;
 use super::reference::{EntityName, ParameterName, VariableName};
 use super::signal::{TrafficSignalCondition, TrafficSignalControllerCondition};
 use crate::declare::{
-    AtLeastOne, AtLeastZero, Duration, Literal, Node, Number, OneOf, Text, Truth, elements,
+    AtLeastOne, AtLeastZero, Duration, Literal, Node, Number, OneOf, Text, Truth, Whole, elements,
     scalars, words,
 };
 use crate::error::ReadError;
 use crate::model::Category;
 use crate::model::condition::{
-    self, Along, CollisionWith, Edge, ElementKind, ElementState, EntityTest, Measured, Target,
-    Test, Trigger,
+    self, Along, Clearance, CollisionWith, Edge, ElementKind, ElementState, EntityTest, Measured,
+    Target, Test, Trigger,
 };
 use crate::words::Rule;
 
@@ -112,6 +112,7 @@ elements! { "Conditions";
             ReachPositionCondition,
             DistanceCondition,
             RelativeDistanceCondition,
+            RelativeClearanceCondition,
         )>,
     }
 
@@ -219,6 +220,22 @@ elements! { "Conditions";
         let to = measured(Target::Entity(entity), freespace, None, axes, Some(along));
         Ok(EntityTest::Distance { to, rule, value })
     }
+
+    /// holds while these entities are not within the distances, or on other lanes than these; without a list, all entities or all lanes count
+    RelativeClearanceCondition -> EntityTest
+    ["oppositeLanes" opposite: Truth, "freeSpace" freespace: Truth,
+        "distanceForward" ahead_m: Option<AtLeastZero> as "m",
+        "distanceBackward" behind_m: Option<AtLeastZero> as "m"]
+    {entities: Vec<EntityRef>, lanes: Vec<RelativeLaneRange>}
+    {
+        let (ahead_m, behind_m) = (ahead_m.unwrap_or(0.0), behind_m.unwrap_or(0.0));
+        let entities = entities.concat();
+        Ok(EntityTest::Clearance(Clearance { entities, lanes, ahead_m, behind_m, freespace, opposite }))
+    }
+
+    /// lanes to the left of the entity's own, from one to another; a missing end is the road's side
+    RelativeLaneRange -> (i32, i32) ["from" from: Option<Whole>, "to" to: Option<Whole>] {}
+    { Ok((from.unwrap_or(i32::MIN), to.unwrap_or(i32::MAX))) }
 }
 
 scalars! {

@@ -9,7 +9,8 @@ use crate::declare::{
 };
 use crate::error::ReadError;
 use crate::model::action::{
-    Action, Dimension, Distance, Gap, LaneTarget, OffsetTarget, Shape, Side, Transition,
+    Action, Aside, Dimension, Distance, Gap, LaneTarget, LateralSide, OffsetTarget, Shape, Side,
+    Transition,
 };
 use crate::model::timed::{self, Bounds, Meeting, SpeedEntry, SpeedProfile, SpeedTarget, Steady};
 
@@ -130,7 +131,19 @@ elements! { "Actions";
     }
 
     /// replaces the lateral action that is running
-    LateralAction -> Action [] {action: OneOf<(LaneChangeAction, LaneOffsetAction)>}
+    LateralAction -> Action []
+    {action: OneOf<(LaneChangeAction, LaneOffsetAction, LateralDistanceAction)>}
+
+    /// beside the other entity, as that one faces; without constraints it is there at once; a missing distance is that of the start; continuous: kept until another lateral action
+    LateralDistanceAction -> Action
+    ["entityRef" entity: EntityName, "freespace" freespace: Truth, "continuous" continuous: Truth,
+        "distance" distance_m: Option<AtLeastZero> as "m", "displacement" side: Option<LateralSide>,
+        "coordinateSystem" _: Option<CoordinateSystem>]
+    {limits: Option<DynamicConstraints>}
+    {
+        let side = side.unwrap_or(LateralSide::Any);
+        Ok(Action::Aside(Aside { entity, distance_m, freespace, side, continuous, limits }))
+    }
 
     /// lateral position follows the shape to the lane's centre
     LaneChangeAction -> Action ["targetLaneOffset" offset_m: Option<Number> as "m"]

@@ -36,6 +36,7 @@ fn of_action(action: &Action) -> Indices {
         | Action::LaneOffset { target: OffsetTarget::Entity { entity, .. }, .. }
         | Action::Delete { entity } => vec![Some(*entity)],
         Action::Distance(distance) => vec![Some(distance.entity)],
+        Action::Aside(aside) => vec![Some(aside.entity)],
         Action::Profile(profile) => vec![profile.relative_to],
         Action::Meet(meeting) => {
             vec![Some(meeting.master), meeting.goal.entity(), meeting.master_goal.entity()]
@@ -76,7 +77,8 @@ fn of_test(test: &Test) -> Indices {
         },
         _ => None,
     };
-    (entities.iter().copied().chain(other).collect(), Vec::new())
+    let cleared = if let EntityTest::Clearance(of) = is { &of.entities[..] } else { &[] };
+    (entities.iter().chain(cleared).copied().chain(other).collect(), Vec::new())
 }
 
 fn inside(what: &'static str, index: usize, count: usize) -> Result<(), WorldError> {

@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use crate::model::condition::{
-    Along, CollisionWith, Condition, Edge, EntityTest, Measured, Target, Test,
+    Along, Clearance, CollisionWith, Condition, Edge, EntityTest, Measured, Target, Test,
 };
 use crate::world::World;
-use crate::world::geometry::{Motion, distance, overlap};
+use crate::world::geometry::{Extent, Motion, distance, overlap};
 use crate::world::plan::Numbered;
 use crate::world::shape::seconds;
 
@@ -142,6 +142,7 @@ impl World {
                     !is_behind && rule.holds(quotient(metres, motion.speed_mps), *value)
                 })
             }
+            EntityTest::Clearance(clearance) => self.is_clear(entity, clearance),
             EntityTest::TimeToCollision { to, rule, value } => {
                 self.measure(entity, to).is_some_and(|(metres, closing_mps, _)| {
                     rule.holds(quotient(metres, closing_mps), *value)
@@ -158,6 +159,40 @@ impl World {
             CollisionWith::Entity(other) => touches(other),
             CollisionWith::Category(category) => (0..self.script.entities.len())
                 .any(|other| self.script.entities[other].category == category && touches(other)),
+        }
+    }
+
+    /// True if none of the others is in a part of the road around an entity.
+    fn is_clear(&self, entity: usize, clearance: &Clearance) -> bool {
+        let (own, road) = (self.motion(entity), &self.script.road);
+        let Some(lane) = road.lane_at(own.s_m, own.t_m) else { return true };
+        let (traffic, forward) = (road.direction(&lane), own.direction());
+        let disturbs = |other: usize| {
+            let Motion { present, s_m, t_m, .. } = self.motion(other);
+            let origin = Extent { from_s_m: s_m, to_s_m: s_m, from_t_m: t_m, to_t_m: t_m };
+            let body = if clearance.freespace { self.extent(other) } else { origin };
+            let [near_m, far_m] = [body.from_s_m, body.to_s_m].map(|s| forward * (s - own.s_m));
+            let is_near =
+                near_m.min(far_m) <= clearance.ahead_m && near_m.max(far_m) >= -clearance.behind_m;
+            // The own lane, where the other one is.
+            let center_m = lane.center_m + road.drift(own.s_m, lane.center_m, s_m);
+            let index = road.lane_at(s_m, center_m).map_or(lane.index, |lane| lane.index) as i32;
+            let is_on_one = || {
+                road.lanes.strips(s_m).any(|strip| {
+                    let left = forward as i32 * (strip.index as i32 - index);
+                    let is_meant = |(from, to): &(i32, i32)| (*from..=*to).contains(&left);
+                    let half_m = 0.5 * strip.width_m;
+                    (clearance.lanes.is_empty() || clearance.lanes.iter().any(is_meant))
+                        && (clearance.opposite || road.direction(&strip) == traffic)
+                        && body.from_t_m <= strip.center_m + half_m
+                        && body.to_t_m >= strip.center_m - half_m
+                })
+            };
+            other != entity && present && is_near && is_on_one()
+        };
+        match clearance.entities.is_empty() {
+            true => !(0..self.script.entities.len()).any(disturbs),
+            false => !clearance.entities.iter().any(|&other| disturbs(other)),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::action::{Distance, Shape};
+use crate::model::action::{Aside, Distance, Shape};
 use crate::model::timed::Meeting;
 use crate::model::{Category, Drive, MAX_ENTITIES};
 use crate::world::World;
@@ -19,7 +19,7 @@ pub(super) struct Mover {
     pub odometer_m: f64,
     pub pace: Pace,
     /// Without one the lateral position stays.
-    pub steer: Option<LateralShape>,
+    pub steer: Option<Steer>,
     pub path: Option<Path>,
     /// The storyboard's actions that these [`Part`]s belong to.
     pub owners: [Option<usize>; 3],
@@ -64,7 +64,19 @@ impl Pace {
     }
 }
 
-/// A lateral action: from one lateral position to another.
+/// A lateral action.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Steer {
+    Shape(LateralShape),
+    /// At a distance beside another entity, with the present speed across the road, m/s, and the last place to be, m.
+    Aside {
+        of: Aside,
+        mps: f64,
+        goal_m: Option<f64>,
+    },
+}
+
+/// A way from one lateral position to another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct LateralShape {
     pub from_t_m: f64,
@@ -213,7 +225,8 @@ impl World {
                 mover.motion.t_m += drift_m;
                 mover.motion.lateral_mps = rate(0.0, drift_m, elapsed_s);
             }
-            Some(shape) => {
+            Some(Steer::Aside { .. }) => {}
+            Some(Steer::Shape(shape)) => {
                 let drift_m = road.drift(from_s_m, shape.to_t_m, to_s_m);
                 shape.from_t_m += drift_m;
                 shape.to_t_m += drift_m;
@@ -222,7 +235,11 @@ impl World {
     }
 
     fn steer(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
-        let Some(shape) = self.state.movers[entity].steer else { return };
+        let shape = match self.state.movers[entity].steer {
+            Some(Steer::Shape(shape)) => shape,
+            Some(Steer::Aside { .. }) => return self.keep_aside(entity, from_ns, time_ns),
+            None => return,
+        };
         let odometer_m = self.state.movers[entity].odometer_m;
         let x = match shape.by {
             Course::Time { start_ns, duration_s } => {

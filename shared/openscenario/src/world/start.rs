@@ -10,7 +10,7 @@ use crate::model::position::Position;
 use crate::model::timed::SpeedTarget;
 use crate::world::check::fits_its_lane;
 use crate::world::geometry::Motion;
-use crate::world::motion::{Course, LateralShape, Pace, Part, Path};
+use crate::world::motion::{Course, LateralShape, Pace, Part, Path, Steer};
 use crate::world::profile::Profile;
 use crate::world::shape::{SHORTEST_S, SpeedShape, seconds};
 use crate::world::{World, WorldError};
@@ -129,6 +129,13 @@ impl World {
             }
             Action::Meet(meeting) if self.can_meet(actor, meeting) => {
                 self.set_pace(actor, Pace::Meet(meeting.clone()), element);
+            }
+            Action::Aside(aside) => {
+                self.clear(actor, Part::Steer);
+                self.clear(actor, Part::Path);
+                let of = self.with_side(actor, aside);
+                self.hold_steer(actor, Steer::Aside { of, mps: 0.0, goal_m: None }, element);
+                self.keep_aside(actor, self.state.time_ns, self.state.time_ns);
             }
             Action::LaneChange { target, offset_m, transition } => {
                 let Some(lane_t_m) = self.lane_goal(actor, target) else { return };
@@ -299,8 +306,12 @@ impl World {
         if immediate && shape.endless.is_none() {
             return;
         }
+        self.hold_steer(actor, Steer::Shape(shape), element);
+    }
+
+    fn hold_steer(&mut self, actor: usize, steer: Steer, element: Option<usize>) {
         let mover = &mut self.state.movers[actor];
-        mover.steer = Some(shape);
+        mover.steer = Some(steer);
         mover.owners[Part::Steer as usize] = element;
         self.hold(element);
     }
