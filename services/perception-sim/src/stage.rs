@@ -5,8 +5,8 @@
 
 use std::sync::Arc;
 
-use openscenario::model::Drive;
-use openscenario::world::{Bend, Extent, State, Way};
+use openscenario::model::{Body, Drive};
+use openscenario::world::{Extent, State, Way};
 use openscenario::{Motion, World};
 use scenario::Scenario;
 use scenario::actor::Profile;
@@ -51,12 +51,10 @@ impl Stage {
         let front_s_m = extent.front_s_m(direction);
         let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
         let line = scenario.road.plan().and_then(|plan| plan.opendrive.as_ref()?.line.as_ref());
-        let way = line.filter(|_| scenario.storyboard.is_some()).map(|line| {
-            let (axis, start) = line.axis().expect("the scenario has been checked");
-            Way { axis: Arc::new(axis), start }
-        });
+        let line = line.filter(|_| scenario.storyboard.is_some());
+        let way = line.map(|line| Way::of(&world, line).expect("the scenario has been checked"));
         if let Some(axis) = axis.filter(|_| way.is_none()) {
-            world.bend(Bend { axis, direction, at_s_m: front_s_m, at_t_m: middle_t_m });
+            world.bend((*axis).clone(), (front_s_m, middle_t_m));
         }
         Some(Self { entities, direction, front_s_m, middle_t_m, ego_width_m, way, world, start })
     }
@@ -125,9 +123,17 @@ impl Stage {
             let origin = (self.direction, self.front_s_m, self.middle_t_m);
             return self.seen(entity, motion, origin);
         };
-        let ego_s_m = self.world.motion(self.world.script().ego).s_m;
-        let near_m = ego_m + self.direction * (motion.s_m - ego_s_m);
-        self.seen(entity, way.along(&self.world, entity, near_m), (1.0, 0.0, 0.0))
+        let ego = self.world.motion(self.world.script().ego);
+        let near_m = ego_m + self.direction * (motion.s_m - ego.s_m);
+        let along = way.along(&self.world, entity, near_m);
+        let vehicle = self.seen(entity, along, (1.0, 0.0, 0.0));
+        if motion.row == ego.row {
+            return vehicle;
+        }
+        // One on another road may be at any angle to the axis.
+        let Body { length_m, width_m, .. } = self.world.script().entities[entity].body;
+        let turned_rad = libm::remainder(along.heading_rad, std::f64::consts::PI);
+        Vehicle { length_m, width_m, turned_rad, ..vehicle }
     }
 
     /// A vehicle from its motion in coordinates in which the axis has a direction and an origin.

@@ -85,7 +85,7 @@ pub fn scenario(
     let cycles = scene.controllers.take().into_iter();
     let cycles = cycles.map(|(_, cycle)| InitAction { actor: None, action: Action::Cycle(cycle) });
     let script = Script {
-        road: scene.road(None)?.road.clone(),
+        roads: scene.road(None).map(|_| scene.roads())?,
         ego: scene.ego.get(),
         entities: scene.entities.take(),
         values: scene.values.take(),

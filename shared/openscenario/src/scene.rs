@@ -6,12 +6,16 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::error::{Place, ReadError, Spot};
+use crate::error::{Place, ReadError, Spot, one_of};
 use crate::library::Source;
+use crate::model::position::{From, Heading, Position};
 use crate::model::timed::SignalCycle;
 use crate::model::{Entity, InitAction, Named};
-use crate::road::{self, Ground, Road};
+use crate::road::{self, Found, Ground, Road, Start};
 use crate::xml::{self, Document};
+
+/// Most roads that an error lists.
+pub(crate) const MOST_LISTED: usize = 8;
 
 /// The direction from which the headings of lane positions count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,7 +45,7 @@ pub(crate) struct Scene<'a> {
     /// The directories of catalogs, each with the name of its location.
     pub locations: RefCell<Vec<Location>>,
     road_file: OnceCell<Document>,
-    road: OnceCell<Rc<Scenery>>,
+    rows: RefCell<Vec<Rc<Scenery>>>,
     pub entities: RefCell<Vec<Entity>>,
     /// Names that stand for several entities.
     pub selections: RefCell<Vec<(String, Vec<usize>)>>,
@@ -70,7 +74,10 @@ pub(crate) struct Scene<'a> {
     pub hindrance: RefCell<Option<String>>,
 }
 
+/// A row of roads.
 pub(crate) struct Scenery {
+    /// Its place among the rows.
+    pub row: usize,
     pub road: Road,
     pub ground: Ground,
 }
@@ -148,32 +155,94 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The road. The first position that names one chooses it; `None` asks for the only one.
+    /// The first row of roads with a road; `None` asks for the first one, or for the only one of the file.
     pub(crate) fn road(&self, id: Option<&str>) -> Result<Rc<Scenery>, ReadError> {
-        if let Some(road) = self.road.get() {
-            return Ok(Rc::clone(road));
-        }
-        let (road, place) = match self.road_file.get() {
-            Some(document) => {
-                let found = road::read(document, id)?;
-                found.notices.into_iter().for_each(|notice| self.notice(notice));
-                (found.road, Place { file: document.file.clone(), spot: document.root.spot })
-            }
-            None => (Road::assumed(), Place::default()),
+        let document = self.road_file.get();
+        let holds = |row: &&Rc<Scenery>| {
+            document.is_none() || id.is_none_or(|id| row.road.part(id).is_some())
         };
-        let ground = Ground::of(&road)
-            .map_err(|error| ReadError::meaning(place, error.to_string(), error.expected()))?;
-        Ok(Rc::clone(self.road.get_or_init(|| Rc::new(Scenery { road, ground }))))
+        if let Some(known) = self.rows.borrow().iter().find(holds) {
+            return Ok(Rc::clone(known));
+        }
+        let assumed = || Ok(Found { road: Road::assumed(), notices: Vec::new() });
+        Ok(self.add(document.map_or_else(assumed, |document| road::read(document, id))?))
     }
 
-    /// The road; if no position has chosen one, the one nearest to a point in the coordinates of the file.
-    pub(crate) fn road_at(&self, x_m: f64, y_m: f64) -> Result<Rc<Scenery>, ReadError> {
-        let document = self.road_file.get().filter(|_| self.road.get().is_none());
-        self.road(document.and_then(|document| road::nearest(document, x_m, y_m)))
+    pub(crate) fn row(&self, row: usize) -> Rc<Scenery> {
+        Rc::clone(&self.rows.borrow()[row])
     }
 
-    /// True if positions may name any road, since none is there.
-    pub(crate) fn assumes_a_road(&self) -> bool {
-        self.road_file.get().is_none()
+    pub(crate) fn roads(&self) -> Vec<Road> {
+        self.rows.borrow().iter().map(|row| row.road.clone()).collect()
+    }
+
+    fn add(&self, Found { road, notices }: Found) -> Rc<Scenery> {
+        notices.into_iter().for_each(|notice| self.notice(notice));
+        let mut rows = self.rows.borrow_mut();
+        let plane = rows.first().map_or_else(|| road.start(), |first| first.ground.plane);
+        let ground = Ground::of(&road, &plane).expect("the lines of a row that was read");
+        let row = Rc::new(Scenery { row: rows.len(), road, ground });
+        rows.push(Rc::clone(&row));
+        row
+    }
+
+    /// The place of a point of the file on the nearest road outside of junctions, m, with its row.
+    pub(crate) fn nearest(&self, x_m: f64, y_m: f64) -> Result<(Rc<Scenery>, f64, f64), ReadError> {
+        let document = self.road_file.get();
+        let found = document.and_then(|document| road::nearest(document, x_m, y_m));
+        let row = self.road(found.map(|(id, ..)| id))?;
+        let part = found.and_then(|(id, s_m, t_m)| Some(row.road.part(id)?.place(s_m, t_m)));
+        let (s_m, t_m) = part.unwrap_or((x_m, y_m));
+        Ok((row, s_m, t_m))
+    }
+
+    /// A position on the row of the way that leads on from it: over the roads of these waypoints, then straight on in its
+    /// lane.
+    pub(crate) fn on_its_way(
+        &self,
+        place: &Place,
+        position: Position,
+        over: &[Position],
+    ) -> Result<Position, ReadError> {
+        let (From::Road { row, s_m, t_m }, Some(document)) = (position.from, self.road_file.get())
+        else {
+            return Ok(position);
+        };
+        let rows: Vec<Rc<Scenery>> = self.rows.borrow().clone();
+        let Scenery { road, ground, .. } = &*rows[row];
+        let part = road.part_at(s_m);
+        let heading_rad = match position.heading {
+            Heading::Plane(heading_rad) => heading_rad - ground.direction_rad(s_m),
+            Heading::Road(heading_rad) | Heading::Entity(heading_rad) => heading_rad,
+        };
+        let (at, reversed) = (part.own(s_m, t_m), (libm::cos(heading_rad) < 0.0) != part.reversed);
+        let start = Start { road: &part.id, at, reversed };
+        let over = over.iter().filter_map(|waypoint| match waypoint.from {
+            From::Road { row, s_m, .. } => Some(rows[row].road.part_at(s_m).id.as_str()),
+            From::Entity { .. } => None,
+        });
+        let found = document.along(&start, &over.collect::<Vec<_>>(), place)?;
+        if found.road.cuts.is_empty() || !(0.0..=part.length_m).contains(&at.0) {
+            return Ok(position);
+        }
+        let known = rows.iter().find(|row| row.road.parts == found.road.parts).cloned();
+        let over: Vec<&str> = found.road.parts.iter().map(|part| part.id.as_str()).collect();
+        self.notice(format!("{place}: the way leads over the roads `{}`", over.join("`, `")));
+        let scenery = known.unwrap_or_else(|| self.add(found));
+        let (s_m, t_m, turned) =
+            scenery.road.place_of(road, s_m, t_m).expect("the row leads over this road");
+        let heading = match position.heading {
+            Heading::Road(h_rad) if turned => Heading::Road(h_rad + std::f64::consts::PI),
+            heading => heading,
+        };
+        Ok(Position { from: From::Road { row: scenery.row, s_m, t_m }, heading })
+    }
+
+    /// The roads of the file, if it has no road with this id.
+    pub(crate) fn lacks(&self, id: &str) -> Option<String> {
+        let roads = self.road_file.get()?.root.children.iter().filter(|it| it.name == "road");
+        let ids: Vec<&str> = roads.filter_map(|road| road.attribute("id")).collect();
+        let is_missing = !ids.is_empty() && !ids.contains(&id);
+        is_missing.then(|| one_of(ids.into_iter().take(MOST_LISTED)))
     }
 }

@@ -17,7 +17,7 @@ pub struct Document {
 }
 
 /// An element with what it holds. Text between elements is skipped: neither standard gives it a meaning.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Element {
     /// Name, without a namespace.
     pub name: String,
@@ -28,7 +28,7 @@ pub struct Element {
     pub children: Vec<Element>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
     /// Name, without a namespace.
     pub name: String,

@@ -26,7 +26,10 @@ fn lead(position: &str) -> Parts {
 
 /// The pose in the coordinates of the file.
 fn in_plane(road: &Road, motion: &Motion) -> (f64, f64, f64) {
-    let at = road.axis().expect("an axis").point(motion.s_m, motion.t_m).placed(&road.start());
+    let at = road::Axis::laid(&road.pieces, road::MIN_RADIUS_M)
+        .expect("an axis")
+        .point(motion.s_m, motion.t_m)
+        .placed(&road.start());
     (at.x_m, at.y_m, at.heading_rad + motion.heading_rad)
 }
 
@@ -53,10 +56,10 @@ fn world_positions_are_found_on_the_road() {
 fn relative_positions_and_headings_are_those_of_the_plane() {
     let of = |position: &str| {
         let run = lead(position).run();
-        in_plane(&run.world.script().road, &run.lead())
+        in_plane(&run.world.script().roads[0], &run.lead())
     };
     let run = lead("<WorldPosition x=\"152\" y=\"80\"/>").run();
-    let ego = in_plane(&run.world.script().road, &run.ego);
+    let ego = in_plane(&run.world.script().roads[0], &run.ego);
     let (x, y, _) = of("<RelativeWorldPosition entityRef=\"Ego\" dx=\"20\" dy=\"3\"/>");
     near(x - ego.0, 20.0, 1e-6);
     near(y - ego.1, 3.0, 1e-6);
@@ -120,7 +123,7 @@ fn a_straight_trajectory_is_a_chord() {
     let stories = story(&[event("E", "override", &[&line], &trigger(&[&at(0.0)]))]);
     let parts = Parts { stories, ..lead("<WorldPosition x=\"110\" y=\"-2\"/>") };
     let mut run = parts.run();
-    let (x, y, h) = in_plane(&run.to(2.0).world.script().road.clone(), &run.lead());
+    let (x, y, h) = in_plane(&run.to(2.0).world.script().roads[0].clone(), &run.lead());
     // 40 m along the line, which is 72 m long.
     let share = 40.0 / 40.0_f64.hypot(60.0);
     near(x, 110.0 + share * 40.0, 0.3);

@@ -1,7 +1,8 @@
 //! Our world against a small interpreter of the standard that shares no code with it.
 //!
 //! It has a reader of its own, and adds up steps of 0.1 ms in place of closed forms. It knows lane positions on a straight
-//! road, changes of speed and lane, clothoids, and conditions on time, distance, way and the storyboard.
+//! road, changes of speed and lane, clothoids, and conditions on time, distance, way and the storyboard. Of a net it knows
+//! lines and arcs, the lane -1, and the ways through a junction.
 
 mod common;
 
@@ -115,6 +116,56 @@ struct Car {
     side: Option<(usize, Change)>,
     /// Clothoid: heading, curvature, its rate, the way that is left.
     curve: Option<(usize, [f64; 4])>,
+    /// In a net: its road, the place along that, and the roads of its route.
+    road: String,
+    s: f64,
+    over: Vec<String>,
+}
+
+/// The roads of a file.
+#[derive(Clone, Copy)]
+struct Net<'a>(&'a Tag);
+
+impl<'a> Net<'a> {
+    fn road(self, id: &str) -> &'a Tag {
+        let road = self.0.all("road").into_iter().find(|road| road.text("id") == id);
+        road.expect("it is there")
+    }
+
+    /// The curvature of a road, and the middle of its lane -1.
+    fn lane(self, id: &str) -> (f64, f64) {
+        let road = self.road(id);
+        let offset = road.one("laneOffset").map_or(0.0, |tag| tag.number("a"));
+        (road.one("arc").map_or(0.0, |arc| arc.number("curvature")), offset - 2.0)
+    }
+
+    fn at(self, id: &str, s: f64, t: f64) -> (f64, f64) {
+        let line = self.road(id).one("geometry").expect("a line");
+        let (curvature, _) = self.lane(id);
+        let [x, y, from] = ["x", "y", "hdg"].map(|name| line.number(name));
+        let heading = from + curvature * s;
+        let (along, aside) = match curvature == 0.0 {
+            true => (s * from.cos(), s * from.sin()),
+            false => {
+                ((heading.sin() - from.sin()) / curvature, (from.cos() - heading.cos()) / curvature)
+            }
+        };
+        (x + along - t * heading.sin(), y + aside + t * heading.cos())
+    }
+
+    fn next(self, id: &str, over: &[String]) -> String {
+        let link = self.road(id).one("successor").expect("a road behind it");
+        if link.text("elementType") == "road" {
+            return link.text("elementId").to_owned();
+        }
+        let ways = self.0.all("connection");
+        let ways = ways.iter().filter(|way| way.text("incomingRoad") == id);
+        let mut ways: Vec<&str> = ways.map(|way| way.text("connectingRoad")).collect();
+        let turn = |id: &str| (self.lane(id).0 * self.road(id).number("length")).abs();
+        ways.sort_by(|a, b| turn(a).total_cmp(&turn(b)));
+        let leads = |way: &&str| over.contains(&self.next(way, &[]));
+        ways.iter().copied().find(leads).unwrap_or(ways[0]).to_owned()
+    }
 }
 
 /// An event: 0 waits, 1 runs, 2 is complete.
@@ -128,6 +179,7 @@ struct Event<'a> {
 }
 
 struct Interpreter<'a> {
+    net: Option<Net<'a>>,
     cars: Vec<Car>,
     events: Vec<Event<'a>>,
     time_s: f64,
@@ -146,7 +198,11 @@ impl<'a> Interpreter<'a> {
             let (x, y) = (place.number("s"), middle(place.number("laneId")));
             let speed = private.one("AbsoluteTargetSpeed").map_or(0.0, |tag| tag.number("value"));
             let name = private.text("entityRef").to_owned();
-            cars.push(Car { name, x, y, mps: speed, ..Car::default() });
+            let waypoints =
+                private.all("Waypoint").into_iter().filter_map(|tag| tag.one("LanePosition"));
+            let over = waypoints.map(|tag| tag.text("roadId").to_owned()).collect();
+            let (road, s) = (place.text("roadId").to_owned(), x);
+            cars.push(Car { name, x, y, mps: speed, road, s, over, ..Car::default() });
         }
         let mut events = Vec::new();
         for group in root.all("ManeuverGroup") {
@@ -157,7 +213,7 @@ impl<'a> Interpreter<'a> {
                 events.push(Event { tag, actor, state: 0, edge_s: None, last: None });
             }
         }
-        Self { cars, events, time_s: 0.0 }
+        Self { net: None, cars, events, time_s: 0.0 }
     }
 
     fn car(&self, name: &str) -> &Car {
@@ -172,6 +228,14 @@ impl<'a> Interpreter<'a> {
             for car in &mut self.cars {
                 let mps = car.speed.map_or(car.mps, |(_, change)| change.at(middle_s));
                 car.way += mps * dt;
+                if let Some(net) = self.net {
+                    let (curvature, t) = net.lane(&car.road);
+                    car.s += mps * dt / (1.0 - curvature * t);
+                    let length = net.road(&car.road).number("length");
+                    if car.s > length {
+                        (car.s, car.road) = (car.s - length, net.next(&car.road, &car.over));
+                    }
+                }
                 match &mut car.curve {
                     None => car.x += mps * dt,
                     Some((_, [heading, curvature, rate, left])) => {
@@ -331,4 +395,51 @@ fn a_clothoid_is_followed_alike() {
     );
     // It is at the line's start then.
     compare(&[event("E", "parallel", &[&follow], &trigger(&[&at(1.0)]))], 4.4);
+}
+
+#[test]
+fn ways_through_a_junction_are_driven_alike() {
+    let route = "<RoutingAction><AssignRouteAction><Route name=\"r\" closed=\"false\">\
+                 <Waypoint routeStrategy=\"shortest\"><Position><LanePosition roadId=\"3\" laneId=\"-1\" s=\"90\"/></Position></Waypoint>\
+                 <Waypoint routeStrategy=\"shortest\"><Position><LanePosition roadId=\"2\" laneId=\"-1\" s=\"90\"/></Position></Waypoint>\
+                 </Route></AssignRouteAction></RoutingAction>";
+    let place = teleport("<LanePosition roadId=\"3\" laneId=\"-1\" s=\"80\"/>");
+    let cruise = speed("step", "time", 0.0, 14.0);
+    let passed = "<TraveledDistanceCondition value=\"60\"/>";
+    let events = [
+        event("E", "parallel", &[&speed("sinusoidal", "rate", 1.5, 8.0)], &trigger(&[&at(2.0)])),
+        event(
+            "F",
+            "parallel",
+            &[&speed("cubic", "time", 3.0, 16.0)],
+            &trigger(&[&by_entity("rising", 0.5, "Lead", passed)]),
+        ),
+    ];
+    let net = crossing::net();
+    let roads = Tag::parse(&net);
+    for actions in [vec![&*place, &cruise], vec![&*place, &cruise, route]] {
+        let (init, stories) = (private("Lead", &actions), story(&events));
+        let files = vec![("dir/road.xodr".to_owned(), net.clone())];
+        let parts = Parts { init, stories, files, ..Parts::default() };
+        let text = parts.text();
+        let root = Tag::parse(&text);
+        let (mut ours, mut other) = (parts.run(), Interpreter::of(&root));
+        other.net = Some(Net(&roads));
+        for step in 0..2000 {
+            if step > 0 {
+                other.advance();
+            }
+            other.storyboard();
+            let lead = ours.to(f64::from(step) * STEP_S).lead();
+            let part = ours.world.script().roads[lead.row].part_at(lead.s_m);
+            let ((s_m, t_m), car) = (part.own(lead.s_m, lead.t_m), other.car("Lead"));
+            let (own, theirs) = (
+                Net(&roads).at(&part.id, s_m, t_m),
+                Net(&roads).at(&car.road, car.s, Net(&roads).lane(&car.road).1),
+            );
+            let away_m = (own.0 - theirs.0).hypot(own.1 - theirs.1);
+            assert!(away_m < WITHIN_M, "{away_m} m in step {step}: road {} {}", part.id, car.road);
+        }
+        assert_eq!(other.car("Lead").road, if actions.len() > 2 { "2" } else { "4" });
+    }
 }

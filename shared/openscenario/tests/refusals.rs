@@ -77,7 +77,10 @@ fn places_that_are_not_there() {
         &lead("<LanePosition roadId=\"0\" laneId=\"-1\" s=\"2000\"/>"),
         &["2000 m are beyond the road's end, expected at most 1000"],
     );
-    refused(&lead("<LanePosition roadId=\"5\" laneId=\"-1\" s=\"1\"/>"), &["`5` is a second road"]);
+    refused(
+        &lead("<LanePosition roadId=\"5\" laneId=\"-1\" s=\"1\"/>"),
+        &["there is no road `5`, expected `0`"],
+    );
     let mut narrow = lead("<WorldPosition x=\"1\" y=\"0\"/>");
     narrow
         .files

@@ -31,7 +31,8 @@ fn deviations(
             let found = row(file, &text_of(file)?, id);
             let found =
                 found.inspect_err(|error| println!("road {id} is refused: {error}")).ok()?;
-            let axis = found.road.axis().expect("it was read");
+            let axis =
+                road::Axis::laid(&found.road.pieces, road::MIN_RADIUS_M).expect("it was read");
             Some((found.road, axis))
         });
         let Some((road, axis)) = road else { continue };
@@ -60,7 +61,8 @@ fn lines_apart(
         let number = |i: usize| fields[i].parse::<f64>().expect("a number");
         let road = roads.entry((file.to_owned(), id.to_owned())).or_insert_with(|| {
             let found = row(file, &text_of(file)?, id).ok()?;
-            let axis = found.road.axis().expect("it was read");
+            let axis =
+                road::Axis::laid(&found.road.pieces, road::MIN_RADIUS_M).expect("it was read");
             Some((found.road, axis))
         });
         let Some((road, axis)) = road else { continue };
@@ -124,9 +126,12 @@ fn roads_in_a_row_are_one_road() {
             lane.id
         });
     assert_eq!(ids, [-1, -1, -1, 1, -1]);
-    let axis = road.axis().expect("an axis");
+    let axis = road::Axis::laid(&road.pieces, road::MIN_RADIUS_M).expect("an axis");
     let (end_m, first) = (road.length_m.expect("it ends"), road.parts[0].length_m);
-    let (lane_axis, start) = axis.beside(&center, 0.0, end_m).expect("the lane has no kink");
+    let leg = road::Leg { axis, start: road::Pose::default(), from_m: 0.0, shift_m: 0.0 };
+    let beside =
+        road::Leg::beside(std::slice::from_ref(&leg), &center, (0.0, end_m), road::MIN_RADIUS_M);
+    let (axis, (lane_axis, start)) = (leg.axis, beside.expect("the lane has no kink"));
     // A place of the lane is found on the reference line, in the lane's middle.
     let mut p_m = 0.0;
     while p_m < lane_axis.length_m() {

@@ -65,10 +65,10 @@ impl Axis {
     ///
     /// # Errors
     /// As [`Self::new`], and if a piece does not begin where the previous one ends, within 5 cm and 0.01 rad.
-    pub fn laid(pieces: &[Laid]) -> Result<Self, AxisError> {
+    pub fn laid(pieces: &[Laid], min_radius_m: f64) -> Result<Self, AxisError> {
         let origin = pieces.first().map_or(Pose::default(), |laid| laid.start);
         let laid = pieces.iter().map(|laid| (Some(laid.start.seen_from(&origin)), laid.piece));
-        Self::chain(laid, MIN_RADIUS_M)
+        Self::chain(laid, min_radius_m)
     }
 
     fn chain(
@@ -87,6 +87,7 @@ impl Axis {
             if length_m > MAX_LENGTH_M {
                 return Err(AxisFault::Length(length_m).of(number));
             }
+            builder.halves = start.is_some() && min_radius_m < MIN_RADIUS_M;
             let start = match start {
                 Some(start) => joined(&start, &end, number, MAX_KINK_RAD)?,
                 None => end,

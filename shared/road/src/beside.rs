@@ -21,9 +21,21 @@ const APART_M: f64 = 0.05;
 /// Shortest stretch between two joints, m: a shorter one goes to its neighbour.
 const SHORTEST_M: f64 = 1e-6;
 
-/// The curve between two joints, from `from_m` to `to_m` of the reference; backwards if `to_m` is smaller.
+/// A part of a road with an axis of its own. Places count along the road, and across it.
+#[derive(Clone, Debug)]
+pub struct Leg {
+    pub axis: Axis,
+    /// Start of the axis in the plane of the road.
+    pub start: Pose,
+    /// Place of that start along the road, m.
+    pub from_m: f64,
+    /// Place of the axis across the road, m.
+    pub shift_m: f64,
+}
+
+/// The curve between two joints, from `from_m` to `to_m` of the road; backwards if `to_m` is smaller.
 struct Beside<'a> {
-    reference: &'a Axis,
+    leg: &'a Leg,
     offset: &'a Profile,
     from_m: f64,
     to_m: f64,
@@ -38,9 +50,8 @@ struct Point {
 }
 
 impl<'a> Beside<'a> {
-    fn new(reference: &'a Axis, offset: &'a Profile, from_m: f64, to_m: f64) -> Self {
-        let mut beside =
-            Self { reference, offset, from_m, to_m, length_m: 0.0, start: Pose::default() };
+    fn new(leg: &'a Leg, offset: &'a Profile, from_m: f64, to_m: f64) -> Self {
+        let mut beside = Self { leg, offset, from_m, to_m, length_m: 0.0, start: Pose::default() };
         let parts = libm::ceil((to_m - from_m).abs() / crate::cell::CELL_M).max(1.0);
         let step_m = (to_m - from_m) / parts;
         let length = |i: u64| {
@@ -63,9 +74,9 @@ impl<'a> Beside<'a> {
     }
 
     fn speed(&self, s_m: f64) -> f64 {
-        let at_m = self.inside(s_m);
-        let t_m = self.offset.at(at_m);
-        let a = self.reference.pace(at_m) * (1.0 - self.reference.curvature_perm(at_m) * t_m);
+        let (at_m, Leg { axis, from_m, shift_m, .. }) = (self.inside(s_m), self.leg);
+        let (p_m, t_m) = (at_m - from_m, self.offset.at(at_m) - shift_m);
+        let a = axis.pace(p_m) * (1.0 - axis.curvature_perm(p_m) * t_m);
         libm::hypot(a, self.offset.slope(at_m))
     }
 
@@ -75,17 +86,17 @@ impl<'a> Beside<'a> {
     }
 
     fn point(&self, s_m: f64) -> Point {
-        let at_m = self.inside(s_m);
+        let (at_m, Leg { axis, start, from_m, shift_m }) = (self.inside(s_m), self.leg);
+        let p_m = at_m - from_m;
         let [t, slope, bend] =
-            [self.offset.at(at_m), self.offset.slope(at_m), self.offset.bend(at_m)];
-        let curvature = self.reference.curvature_perm(at_m);
-        let rate = self.reference.curvature_rate_perm2(at_m);
-        let pace = self.reference.pace(at_m);
+            [self.offset.at(at_m) - shift_m, self.offset.slope(at_m), self.offset.bend(at_m)];
+        let (curvature, rate) = (axis.curvature_perm(p_m), axis.curvature_rate_perm2(p_m));
+        let pace = axis.pace(p_m);
         let a = pace * (1.0 - curvature * t);
         let a_change = -pace * (pace * rate * t + curvature * slope);
         let speed = libm::hypot(a, slope);
         let turned = (a * bend - slope * a_change) / (speed * speed);
-        let place = self.reference.pose(at_m);
+        let place = axis.pose(p_m).placed(start);
         let (sin, cos) = libm::sincos(place.heading_rad);
         let turn = if self.sign() < 0.0 { std::f64::consts::PI } else { 0.0 };
         let pose = Pose {
@@ -143,30 +154,34 @@ impl Smooth for Beside<'_> {
     }
 }
 
-impl Axis {
-    /// The axis that lies `offset` to the left of this one, from `from_m` to `to_m`. It begins at (0, 0, 0), and runs
-    /// against this axis if `to_m` is smaller. The pose is its start, as seen from this axis' origin.
+impl Leg {
+    /// The axis that lies `offset` to the left of a road of these legs, from one place to another. It begins at (0, 0, 0),
+    /// and runs against the road if the second place is smaller. The pose is its start in the plane of the road.
     ///
     /// ```
-    /// use road::{Axis, Piece, Profile};
-    /// let reference = Axis::new(&[Piece::Arc { length_m: 300.0, curvature_perm: 0.01 }])?;
-    /// let (lane, start) = reference.beside(&Profile::constant(-1.75), 0.0, 300.0)?;
+    /// use road::{Axis, Leg, MIN_RADIUS_M, Piece, Pose, Profile};
+    /// let axis = Axis::new(&[Piece::Arc { length_m: 300.0, curvature_perm: 0.01 }])?;
+    /// let legs = [Leg { axis, start: Pose::default(), from_m: 0.0, shift_m: 0.0 }];
+    /// let offset = Profile::constant(-1.75);
+    /// let (lane, start) = Leg::beside(&legs, &offset, (0.0, 300.0), MIN_RADIUS_M)?;
     /// // The outer lane of a left curve is longer.
     /// assert!((lane.length_m() - 300.0 * 1.0175).abs() < 1e-6 && (start.y_m + 1.75).abs() < 1e-8);
     /// # Ok::<(), road::AxisError>(())
     /// ```
     ///
     /// # Errors
-    /// When the curve at that distance has a radius below 20 m, a gap or a kink. Its pieces are counted between the
-    /// joints of both.
+    /// When the curve at that distance has a smaller radius, a gap or a kink. Its pieces are counted between the joints of
+    /// both.
     pub fn beside(
-        &self,
+        legs: &[Self],
         offset: &Profile,
-        from_m: f64,
-        to_m: f64,
-    ) -> Result<(Self, Pose), AxisError> {
+        (from_m, to_m): (f64, f64),
+        min_radius_m: f64,
+    ) -> Result<(Axis, Pose), AxisError> {
         let (low_m, high_m) = (from_m.min(to_m), from_m.max(to_m));
-        let joints = self.starts.iter().copied().chain([self.length_m()]);
+        let end_m = legs.last().map(|leg| leg.from_m + leg.axis.length_m());
+        let starts = legs.iter().flat_map(|leg| leg.axis.starts.iter().map(|p_m| leg.from_m + p_m));
+        let joints = starts.chain(end_m);
         let changes = offset.stretches().iter().map(|stretch| stretch.from_m);
         let mut joints: Vec<f64> = joints
             .chain(changes)
@@ -178,19 +193,21 @@ impl Axis {
         if to_m < from_m {
             joints.reverse();
         }
-        let mut builder = Builder::new();
+        let mut builder = Builder { min_radius_m, ..Builder::new() };
         let (mut end, mut straight_m) = (Pose::default(), 0.0);
         let (mut origin, mut starts) = (None, Vec::new());
         for (number, ends) in joints.windows(2).enumerate() {
-            let beside = Beside::new(self, offset, ends[0], ends[1]);
+            let middle_m = 0.5 * (ends[0] + ends[1]);
+            let begun = legs.partition_point(|leg| leg.from_m <= middle_m).max(1);
+            let leg = legs.get(begun - 1).ok_or(AxisFault::Empty.of(number))?;
+            let beside = Beside::new(leg, offset, ends[0], ends[1]);
             let origin = origin.get_or_insert(beside.start);
             let start = beside.start.seen_from(origin);
             let start = joined(&start, &end, number, MAX_SHIFT_RAD)?;
             starts.push(builder.length_m);
-            let middle_m = 0.5 * (ends[0] + ends[1]);
             let is_line = ends.iter().chain([&middle_m]).all(|at_m| {
                 let at_m = beside.inside(*at_m);
-                self.curvature_perm(at_m) == 0.0
+                leg.axis.curvature_perm(at_m - leg.from_m) == 0.0
                     && offset.slope(at_m) == 0.0
                     && offset.bend(at_m) == 0.0
             });
@@ -205,6 +222,6 @@ impl Axis {
             }
         }
         let origin = origin.ok_or(AxisFault::Empty.of(0))?;
-        Ok((Self::of(builder, starts, end, straight_m)?, origin))
+        Ok((Axis::of(builder, starts, end, straight_m)?, origin))
     }
 }

@@ -4,7 +4,7 @@ use crate::cell::{CELL_M, Cell, after};
 use crate::smooth::{Smooth, State};
 use crate::{AxisError, AxisFault, MIN_RADIUS_M, Pose};
 
-/// Largest number of halvings of a cubic's cell: 5 m / 2^8 is 2 cm.
+/// Largest number of halvings of a cell: 5 m / 2^8 is 2 cm.
 const MAX_HALVINGS: u32 = 8;
 /// Most cells of an axis.
 const MAX_CELLS: usize = 1 << 20;
@@ -17,6 +17,8 @@ pub struct Builder {
     /// End of the pieces so far, m.
     pub length_m: f64,
     pub min_radius_m: f64,
+    /// Cells of lines, arcs and clothoids are halved where the series misses their ends.
+    pub halves: bool,
 }
 
 /// The piece that is being added.
@@ -63,7 +65,7 @@ impl Piece<'_> {
 impl Builder {
     /// No piece yet, for a road of the usual radii.
     pub fn new() -> Self {
-        Self { cells: Vec::new(), length_m: 0.0, min_radius_m: MIN_RADIUS_M }
+        Self { cells: Vec::new(), length_m: 0.0, min_radius_m: MIN_RADIUS_M, halves: false }
     }
 
     /// Adds a piece that begins at `start`. Returns its end.
@@ -108,7 +110,7 @@ impl Builder {
             libm::hypot(exact.x_m - near.x_m, exact.y_m - near.y_m) > max_m
                 || (exact.heading_rad - near.heading_rad).abs() > max_rad
         };
-        if !piece.smooth.is_clothoid() && (misses(state) || misses(&end)) {
+        if (self.halves || !piece.smooth.is_clothoid()) && (misses(state) || misses(&end)) {
             if halvings == MAX_HALVINGS {
                 return Err(AxisFault::Cusp.of(piece.number));
             }

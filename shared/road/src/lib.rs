@@ -47,6 +47,7 @@ pub mod random;
 mod smooth;
 
 pub use axis::Axis;
+pub use beside::Leg;
 pub use cell::Place;
 pub use error::{AxisError, AxisFault};
 pub use lanes::{Lane, Lanes, Section, Strip};

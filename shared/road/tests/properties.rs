@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use road::random::{Recipe, pieces};
-use road::{Axis, AxisError, AxisFault, Laid, Piece, Pose};
+use road::{Axis, AxisError, AxisFault, Laid, MIN_RADIUS_M, Piece, Pose};
 
 const RECIPE: Recipe =
     Recipe { length_m: 3e3, min_radius_m: 60.0, max_radius_m: 2e3, spiral_m: [30.0, 200.0] };
@@ -89,7 +89,7 @@ proptest! {
     ) {
         let road = pieces(&RECIPE, seed);
         let chain = axis(&road);
-        let moved = Axis::laid(&laid(&road, &Pose { x_m, y_m, heading_rad })).expect("no gaps");
+        let moved = Axis::laid(&laid(&road, &Pose { x_m, y_m, heading_rad }), MIN_RADIUS_M).expect("no gaps");
         let p_m = share * chain.length_m();
         let (a, b) = (chain.pose(p_m), moved.pose(p_m));
         prop_assert!((a.x_m - b.x_m).abs().max((a.y_m - b.y_m).abs()) < 1e-7, "{a:?} {b:?}");
@@ -171,7 +171,10 @@ fn gaps_and_kinks_of_laid_pieces_are_refused() {
     let lines = |x_m, y_m, heading_rad| {
         let piece = Piece::Line { length_m: 10.0 };
         let start = Pose { x_m: 5.0, y_m: 5.0, heading_rad: 0.0 };
-        Axis::laid(&[Laid { start, piece }, Laid { start: Pose { x_m, y_m, heading_rad }, piece }])
+        Axis::laid(
+            &[Laid { start, piece }, Laid { start: Pose { x_m, y_m, heading_rad }, piece }],
+            MIN_RADIUS_M,
+        )
     };
     assert!(lines(15.0, 5.0, 0.0).expect("no gap").is_straight());
     assert!(lines(15.0, 5.0, std::f64::consts::TAU).is_ok(), "headings are angles");

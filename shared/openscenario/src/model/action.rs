@@ -17,8 +17,6 @@ pub enum Action {
     },
     /// A distance to another entity is reached, and kept if continuous.
     Distance(Distance),
-    /// A lateral distance to another entity is reached, and kept if continuous.
-    Aside(Aside),
     /// The lateral position follows a shape to another lane.
     LaneChange {
         target: LaneTarget,
@@ -37,6 +35,8 @@ pub enum Action {
     },
     Trajectory(Trajectory),
     Teleport(Position),
+    /// From now on the entity drives along the row of roads of the first position.
+    Route(Vec<Position>),
     Add {
         entity: usize,
         position: Position,
@@ -69,7 +69,6 @@ impl Action {
         match self {
             Self::Profile(profile) => profile.relative_to,
             Self::Meet(meeting) => Some(meeting.master),
-            Self::Aside(aside) => Some(aside.entity),
             _ => None,
         }
     }
@@ -156,10 +155,8 @@ pub struct Aside {
     /// True if it counts between the bodies, not the origins.
     pub freespace: bool,
     pub side: LateralSide,
-    /// Does not end by itself.
-    pub continuous: bool,
-    /// Bounds on the motion across the road. Without them the entity is there at once.
-    pub limits: Option<Bounds>,
+    /// Largest speed across the road on the way there, m/s; infinite if there is none.
+    pub most_mps: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -208,6 +205,7 @@ pub enum OffsetTarget {
         /// Offset from its lateral position, m.
         offset_m: f64,
     },
+    Aside(Aside),
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

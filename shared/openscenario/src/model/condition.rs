@@ -92,21 +92,11 @@ pub enum EntityTest {
     /// At least that far since the start, m.
     TraveledDistance(f64),
     /// Acceleration, m/s².
-    Acceleration {
-        rule: Rule,
-        value: f64,
-    },
+    Acceleration { rule: Rule, value: f64 },
     /// Speed, m/s.
-    Speed {
-        rule: Rule,
-        value: f64,
-    },
+    Speed { rule: Rule, value: f64 },
     /// Own speed minus another's, m/s.
-    RelativeSpeed {
-        entity: usize,
-        rule: Rule,
-        value: f64,
-    },
+    RelativeSpeed { entity: usize, rule: Rule, value: f64 },
     /// Near a position.
     ReachPosition {
         position: Position,
@@ -114,32 +104,21 @@ pub enum EntityTest {
         tolerance_m: f64,
     },
     /// Distance, m.
-    Distance {
-        to: Measured,
-        rule: Rule,
-        value: f64,
-    },
+    Distance { to: Measured, rule: Rule, value: f64 },
     /// Distance over own speed, s.
-    Headway {
-        to: Measured,
-        rule: Rule,
-        value: f64,
-    },
+    Headway { to: Measured, rule: Rule, value: f64 },
     /// Distance over closing speed, s.
-    TimeToCollision {
-        to: Measured,
-        rule: Rule,
-        value: f64,
-    },
+    TimeToCollision { to: Measured, rule: Rule, value: f64 },
+    /// No other entity is in a part of the road.
     Clearance(Clearance),
 }
 
 /// A part of the road around an entity without others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clearance {
-    /// The others that count; an empty list stands for all.
+    /// The others that count.
     pub entities: Vec<usize>,
-    /// Ranges of lanes to the left of the entity's own, both ends included; an empty list stands for all lanes.
+    /// Ranges of lanes to the left of the entity's own, both ends included.
     pub lanes: Vec<(i32, i32)>,
     pub ahead_m: f64,
     pub behind_m: f64,

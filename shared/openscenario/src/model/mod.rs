@@ -23,7 +23,8 @@ pub const MAX_ENTITIES: usize = 65;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Script {
-    pub road: Road,
+    /// Each is a row of roads of the file. A road may be in several.
+    pub roads: Vec<Road>,
     /// The ego's place among the entities.
     pub ego: usize,
     pub entities: Vec<Entity>,

@@ -14,6 +14,9 @@ pub struct Position {
 #[serde(rename_all = "kebab-case")]
 pub enum From {
     Road {
+        /// Its place among the script's roads.
+        #[serde(default)]
+        row: usize,
         /// Along the reference line, m.
         s_m: f64,
         /// Across it, positive to the left, m.

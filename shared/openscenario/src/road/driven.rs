@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use road::{Axis, AxisError, Laid, Pose, Profile, Strip};
+use road::{Axis, AxisError, Laid, Leg, MAX_GAP_M, MIN_RADIUS_M, Pose, Profile, Strip};
 use serde::{Deserialize, Serialize};
 
-use super::Road;
+use super::{Cut, Ground, INSIDE_M, Road, ground};
 use crate::error::{Place, ReadError, one_of};
 use crate::xml;
 
@@ -19,6 +19,9 @@ const MAX_HEIGHTS: f64 = 4000.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Driven {
     pub pieces: Vec<Laid>,
+    /// Cuts of the reference line.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cuts: Vec<Cut>,
     /// The line's distance to the left of the reference line, m.
     pub offset: Profile,
     /// Its beginning along the reference line, m.
@@ -47,7 +50,10 @@ impl Driven {
     /// # Errors
     /// When the line has a radius below 20 m, a gap or a kink.
     pub fn axis(&self) -> Result<(Axis, Pose), AxisError> {
-        Axis::laid(&self.pieces)?.beside(&self.offset, self.from_m, self.to_m)
+        let start = self.pieces.first().map_or(Pose::default(), |laid| laid.start);
+        let legs = ground::legs(&self.pieces, &self.cuts, &start)?;
+        let least_m = if self.cuts.is_empty() { MIN_RADIUS_M } else { ground::NARROW_RADIUS_M };
+        Leg::beside(&legs, &self.offset, (self.from_m, self.to_m), least_m)
     }
 }
 
@@ -58,11 +64,19 @@ impl Road {
         let length_m = self.length_m.unwrap_or(from_m);
         let (low_m, high_m) = (from_m.clamp(0.0, length_m), length_m);
         let shift = Profile::constant(aside_m);
+        // It ends where the lane ends, and goes on as one beside it.
+        let is_end = |at_m: &f64| (center.at(*at_m) - center.at(at_m - INSIDE_M)).abs() > MAX_GAP_M;
+        let ends = self.lanes.sections.iter().map(|section| section.from_m).filter(is_end);
+        let to_m = match direction > 0.0 {
+            true => ends.filter(|at_m| *at_m > low_m).fold(high_m, f64::min),
+            false => ends.filter(|at_m| *at_m < low_m).fold(0.0, f64::max),
+        };
         Driven {
             pieces: self.pieces.clone(),
+            cuts: self.cuts.clone(),
             offset: Profile::sum(&[(1.0, &center), (1.0, &shift)], 0.0, length_m),
             from_m: low_m,
-            to_m: if direction > 0.0 { high_m } else { 0.0 },
+            to_m,
         }
     }
 
@@ -84,14 +98,14 @@ impl Road {
         if self.steepest_slope() == 0.0 {
             return Ok(Vec::new());
         }
-        let (reference, (axis, start)) = (self.axis()?, line.axis()?);
+        let (reference, (axis, start)) = (Ground::of(self, &self.start())?, line.axis()?);
         let count = libm::ceil(axis.length_m() / HEIGHT_SPACING_M).clamp(1.0, MAX_HEIGHTS);
         let (mut s_m, mut before_m) = (line.from_m, 0.0);
         let sign = if line.to_m < line.from_m { -1.0 } else { 1.0 };
         let point = |i: u64| {
             let p_m = axis.length_m() * (i as f64 / count);
             let at = axis.pose(p_m).placed(&start);
-            (s_m, _) = reference.project(at.x_m, at.y_m, s_m + sign * (p_m - before_m));
+            (s_m, _) = reference.project((at.x_m, at.y_m), s_m + sign * (p_m - before_m));
             before_m = p_m;
             [p_m, self.heights.at(s_m)]
         };

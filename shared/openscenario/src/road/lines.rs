@@ -2,7 +2,7 @@
 
 use road::{AxisError, LaneLines, Strip};
 
-use super::{Driven, INSIDE_M, Road};
+use super::{Driven, Ground, INSIDE_M, Road};
 
 /// Distance between two stations, m.
 const SPACING_M: f64 = 10.0;
@@ -22,7 +22,7 @@ impl Road {
     /// # Errors
     /// When the line makes no axis.
     pub fn lane_lines(&self, line: &Driven) -> Result<LaneLines, AxisError> {
-        let (reference, (axis, start)) = (self.axis()?, line.axis()?);
+        let (reference, (axis, start)) = (Ground::of(self, &self.start())?, line.axis()?);
         let forward = line.to_m >= line.from_m;
         let (low_m, high_m) = (line.from_m.min(line.to_m), line.from_m.max(line.to_m));
         let count = libm::ceil((high_m - low_m) / SPACING_M).clamp(1.0, MAX_STATIONS);

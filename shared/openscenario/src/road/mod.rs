@@ -5,16 +5,19 @@
 //! the file that runs the other way is turned around.
 
 mod driven;
+mod ground;
 mod lines;
 mod opendrive;
 
-use road::{Axis, AxisError, Laid, Lane, Lanes, Pose, Profile, Section, Strip};
+use road::{Laid, Lane, Lanes, Pose, Profile, Section, Strip};
 use serde::{Deserialize, Serialize};
 
 use crate::error::one_of;
 pub use driven::{Driven, DrivenLane, driven_lane};
-pub(crate) use opendrive::nearest;
+pub use ground::Cut;
+pub(crate) use ground::Ground;
 pub use opendrive::{Found, Text, read};
+pub(crate) use opendrive::{Start, nearest};
 
 pub const ASSUMED_LANE_WIDTH_M: f64 = 3.5;
 const ASSUMED_LANES: i32 = 8;
@@ -29,6 +32,9 @@ pub struct Road {
     pub parts: Vec<Part>,
     /// The pieces of its reference line; none for a straight line along the x axis.
     pub pieces: Vec<Laid>,
+    /// Cuts of the reference line, if it leads through junctions: it goes on beside its last part.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cuts: Vec<Cut>,
     pub left_hand: bool,
     pub lanes: Lanes,
     /// Height of the reference line, m.
@@ -42,6 +48,9 @@ pub struct Part {
     pub length_m: f64,
     /// Its own reference line runs the other way.
     pub reversed: bool,
+    /// Its reference line is that far to the left of the road's, m.
+    #[serde(default)]
+    pub shift_m: f64,
 }
 
 impl Part {
@@ -49,13 +58,22 @@ impl Part {
     ///
     /// ```
     /// use openscenario::road::Part;
-    /// let part = Part { id: "7".to_owned(), from_m: 300.0, length_m: 100.0, reversed: true };
+    /// let id = "7".to_owned();
+    /// let part = Part { id, from_m: 300.0, length_m: 100.0, reversed: true, shift_m: 0.0 };
     /// assert_eq!(part.place(30.0, 2.0), (370.0, -2.0));
     /// ```
     pub fn place(&self, s_m: f64, t_m: f64) -> (f64, f64) {
         match self.reversed {
-            false => (self.from_m + s_m, t_m),
-            true => (self.from_m + (self.length_m - s_m), 0.0 - t_m),
+            false => (self.from_m + s_m, self.shift_m + t_m),
+            true => (self.from_m + (self.length_m - s_m), self.shift_m - t_m),
+        }
+    }
+
+    /// The place on the file's road of one of the road that it is a part of: the opposite of [`Self::place`].
+    pub fn own(&self, s_m: f64, t_m: f64) -> (f64, f64) {
+        match self.reversed {
+            false => (s_m - self.from_m, t_m - self.shift_m),
+            true => (self.length_m - (s_m - self.from_m), self.shift_m - t_m),
         }
     }
 
@@ -96,12 +114,13 @@ impl Road {
             after: None,
         };
         let section = Section { from_m: 0.0, lanes: ids.map(lane).collect(), left };
-        let part =
-            Part { id: "0".to_owned(), from_m: 0.0, length_m: f64::INFINITY, reversed: false };
+        let (id, length_m) = ("0".to_owned(), f64::INFINITY);
+        let part = Part { id, from_m: 0.0, length_m, reversed: false, shift_m: 0.0 };
         Self {
             length_m: None,
             parts: vec![part],
             pieces: Vec::new(),
+            cuts: Vec::new(),
             left_hand: false,
             lanes: Lanes {
                 offset: Profile::constant(offset_m),
@@ -112,23 +131,26 @@ impl Road {
         }
     }
 
-    /// Its reference line as an axis that begins at (0, 0, 0).
-    ///
-    /// # Errors
-    /// When its pieces make no axis.
-    pub fn axis(&self) -> Result<Axis, AxisError> {
-        match self.pieces.is_empty() {
-            true => Axis::new(&[road::Piece::Line { length_m: 1.0 }]),
-            false => Axis::laid(&self.pieces),
-        }
-    }
-
     pub fn start(&self) -> Pose {
         self.pieces.first().map_or(Pose::default(), |laid| laid.start)
     }
 
     pub fn part(&self, id: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.id == id)
+    }
+
+    /// A place of another row on a road that this one has too: `s` and `t`, m, and true if they run against each other.
+    pub fn place_of(&self, other: &Self, s_m: f64, t_m: f64) -> Option<(f64, f64, bool)> {
+        let part = other.part_at(s_m);
+        let here = self.part(&part.id)?;
+        let (s_m, t_m) = part.own(s_m, t_m);
+        let (s_m, t_m) = here.place(s_m, t_m);
+        Some((s_m, t_m, here.reversed != part.reversed))
+    }
+
+    /// The part at a place.
+    pub fn part_at(&self, s_m: f64) -> &Part {
+        self.parts.iter().rev().find(|part| part.from_m <= s_m).unwrap_or(&self.parts[0])
     }
 
     /// The ids of its parts, for errors.
@@ -226,63 +248,6 @@ impl Road {
     }
 }
 
-/// The road in the plane, between `s`, `t` and coordinates: the axis of its reference line, with its place.
-///
-/// The plane here has its origin at the start of the reference line, and its x axis along it there.
-#[derive(Clone, Debug)]
-pub(crate) struct Ground {
-    axis: Axis,
-    /// The start of the reference line in the coordinates of the file.
-    start: Pose,
-}
-
-impl Ground {
-    pub fn of(road: &Road) -> Result<Self, AxisError> {
-        Ok(Self { axis: road.axis()?, start: road.start() })
-    }
-
-    /// One straight line: `s` and `t` are coordinates of the plane.
-    pub fn is_straight(&self) -> bool {
-        self.axis.is_straight()
-    }
-
-    /// `s` and `t` of a point in the coordinates of the file, m.
-    pub fn locate(&self, x_m: f64, y_m: f64) -> (f64, f64) {
-        let (x_m, y_m) = self.start.to_local(x_m, y_m);
-        self.axis.nearest(x_m, y_m)
-    }
-
-    /// A direction of the file's coordinates from the direction of the reference line at its start, rad.
-    pub fn heading_rad(&self, heading_rad: f64) -> f64 {
-        heading_rad - self.start.heading_rad
-    }
-
-    /// A vector of the file's coordinates in this plane, m.
-    pub fn turned(&self, dx_m: f64, dy_m: f64) -> (f64, f64) {
-        Pose { x_m: 0.0, y_m: 0.0, ..self.start }.to_local(dx_m, dy_m)
-    }
-
-    /// The direction of the reference line, rad.
-    pub fn direction_rad(&self, s_m: f64) -> f64 {
-        self.axis.pose(s_m).heading_rad
-    }
-
-    /// A point of the road with the direction of the reference line.
-    pub fn point(&self, s_m: f64, t_m: f64) -> Pose {
-        self.axis.point(s_m, t_m)
-    }
-
-    /// `s` and `t` of a point of the plane near a place, m.
-    pub fn project(&self, (x_m, y_m): (f64, f64), near_s_m: f64) -> (f64, f64) {
-        self.axis.project(x_m, y_m, near_s_m)
-    }
-
-    /// Metres of way for one metre of `s` at a distance from the reference line; not less than a tenth.
-    pub fn stretch(&self, s_m: f64, t_m: f64) -> f64 {
-        (1.0 - self.axis.curvature_perm(s_m) * t_m).max(0.1)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -294,7 +259,8 @@ mod tests {
         assert_eq!(road.lane(-5.0, 1).map(|lane| lane.center_m), Some(1.75));
         assert_eq!(road.lane_beside(0.0, -1.75, 1).map(|lane| lane.id), Some(1));
         assert_eq!(road.drift(0.0, -1.75, 5e3), 0.0);
-        assert!(road.axis().expect("a line").is_straight());
+        let ground = Ground::of(&road, &Pose::default()).expect("a line");
+        assert!(ground.legs[0].axis.is_straight());
     }
 
     #[test]

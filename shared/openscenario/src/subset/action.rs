@@ -31,7 +31,13 @@ elements! { "Actions";
     }
 
     /// the entity is there at once
-    TeleportAction -> Action [] {position: Position} { Ok(Action::Teleport(position)) }
+    TeleportAction -> Action [] {position: Position}
+    |node| {
+        // In Init the entity may have a route.
+        let is_late = !node.scene.init.borrow().is_empty();
+        let there = is_late.then(|| node.scene.on_its_way(&node.place(), position, &[]));
+        Ok(Action::Teleport(there.unwrap_or(Ok(position))?))
+    }
 
     /// an action of the world
     GlobalAction -> Action []
@@ -59,7 +65,8 @@ elements! { "Actions";
     }
 
     /// the entity is on the road from now on
-    AddEntityAction -> Option<position::Position> [] {position: Position} { Ok(Some(position)) }
+    AddEntityAction -> Option<position::Position> [] {position: Position}
+    |node| { node.scene.on_its_way(&node.place(), position, &[]).map(Some) }
 
     /// the entity is gone
     DeleteEntityAction -> Option<position::Position> [] {} { Ok(None) }

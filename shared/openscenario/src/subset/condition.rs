@@ -227,9 +227,11 @@ elements! { "Conditions";
         "distanceForward" ahead_m: Option<AtLeastZero> as "m",
         "distanceBackward" behind_m: Option<AtLeastZero> as "m"]
     {entities: Vec<EntityRef>, lanes: Vec<RelativeLaneRange>}
-    {
+    |node| {
         let (ahead_m, behind_m) = (ahead_m.unwrap_or(0.0), behind_m.unwrap_or(0.0));
-        let entities = entities.concat();
+        let all = || (0..node.scene.entities.borrow().len()).collect();
+        let entities = if entities.is_empty() { all() } else { entities.concat() };
+        let lanes = if lanes.is_empty() { vec![(i32::MIN, i32::MAX)] } else { lanes };
         Ok(EntityTest::Clearance(Clearance { entities, lanes, ahead_m, behind_m, freespace, opposite }))
     }
 

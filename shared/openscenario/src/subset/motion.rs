@@ -134,15 +134,19 @@ elements! { "Actions";
     LateralAction -> Action []
     {action: OneOf<(LaneChangeAction, LaneOffsetAction, LateralDistanceAction)>}
 
-    /// beside the other entity, as that one faces; without constraints it is there at once; a missing distance is that of the start; continuous: kept until another lateral action
+    /// beside the other entity, as that one faces: there with shape sinusoidal within the constraints, at once without; a missing distance is that of the start; continuous: kept until another lateral action
     LateralDistanceAction -> Action
     ["entityRef" entity: EntityName, "freespace" freespace: Truth, "continuous" continuous: Truth,
         "distance" distance_m: Option<AtLeastZero> as "m", "displacement" side: Option<LateralSide>,
         "coordinateSystem" _: Option<CoordinateSystem>]
-    {limits: Option<DynamicConstraints>}
+    {bounds: Option<DynamicConstraints>}
     {
-        let side = side.unwrap_or(LateralSide::Any);
-        Ok(Action::Aside(Aside { entity, distance_m, freespace, side, continuous, limits }))
+        let (bounds, side) = (bounds.unwrap_or(Bounds::NONE), side.unwrap_or(LateralSide::Any));
+        let aside = Aside { entity, distance_m, freespace, side, most_mps: bounds.speed_mps };
+        let (target, shape) = (OffsetTarget::Aside(aside), Shape::Sinusoidal);
+        let most_mps2 = bounds.acceleration_mps2.min(bounds.deceleration_mps2);
+        let max_lateral_mps2 = Some(most_mps2).filter(|most| most.is_finite());
+        Ok(Action::LaneOffset { target, shape, max_lateral_mps2, continuous })
     }
 
     /// lateral position follows the shape to the lane's centre
@@ -156,12 +160,12 @@ elements! { "Actions";
     /// a lane's id
     AbsoluteTargetLane -> LaneTarget ["value" id: Whole] {}
     |node| {
-        let scenery = node.scene.road(None)?;
-        let (road, lanes) = (&scenery.road, &scenery.road.lanes);
-        let is_there = lanes.sections.iter().any(|s| s.lanes.iter().any(|lane| lane.id == id));
-        if !is_there {
-            let reason = format!("road {} has no lane `{id}`", road.names());
-            return Err(node.wrong("value", reason, road.lane_names(0.0)));
+        let first = &node.scene.road(None)?.road;
+        let roads = node.scene.roads();
+        let mut sections = roads.iter().flat_map(|road| &road.lanes.sections);
+        if !sections.any(|section| section.lanes.iter().any(|lane| lane.id == id)) {
+            let reason = format!("road {} has no lane `{id}`", first.names());
+            return Err(node.wrong("value", reason, first.lane_names(0.0)));
         }
         Ok(LaneTarget::Lane(id))
     }

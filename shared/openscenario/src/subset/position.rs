@@ -12,15 +12,14 @@ use crate::road::Part;
 use crate::scene::{LaneHeadings, Scenery};
 
 scalars! {
-    /// A road by its id, as a part of the row: all positions are on one row of roads.
+    /// A road by its id, as a part of a row.
     RoadId -> (Rc<Scenery>, Part): "a road's id", |given| {
         let (id, scene) = (given.text()?, given.node.scene);
+        if let Some(expected) = scene.lacks(&id) {
+            return Err(given.wrong(format!("there is no road `{id}`"), expected));
+        }
         let scenery = scene.road(Some(&id))?;
-        let known = |part: &&Part| scene.assumes_a_road() || part.id == id;
-        let part = scenery.road.parts.iter().find(known).cloned().ok_or_else(|| {
-            let expected = format!("{}, since all that happens is on one road", scenery.road.names());
-            given.wrong(format!("`{id}` is a second road"), expected)
-        })?;
+        let part = scenery.road.part(&id).unwrap_or(&scenery.road.parts[0]).clone();
         Ok((scenery, part))
     };
 }
@@ -57,11 +56,11 @@ elements! { "Positions";
     ["x" x_m: Number as "m", "y" y_m: Number as "m", "h" h_rad: Option<Number> as "rad"] {}
     unused ["z?" "p?" "r?"]
     |node| {
-        let ground = &node.scene.road_at(x_m, y_m)?.ground;
-        let (s_m, t_m) = ground.locate(x_m, y_m);
-        let from_road = |h_rad| ground.heading_rad(h_rad) - ground.direction_rad(s_m);
+        let (scenery, s_m, t_m) = node.scene.nearest(x_m, y_m)?;
+        let Scenery { row, ground, .. } = &*scenery;
+        let from_road = |h_rad| h_rad - ground.plane.heading_rad - ground.direction_rad(s_m);
         let heading = Heading::Road(h_rad.map_or(0.0, from_road));
-        Ok(position::Position { from: From::Road { s_m, t_m }, heading })
+        Ok(position::Position { from: From::Road { row: *row, s_m, t_m }, heading })
     }
 
     /// along the axes of the plane
@@ -70,9 +69,9 @@ elements! { "Positions";
     {turn: Option<Orientation>}
     unused ["dz?"]
     |node| {
-        let ground = &node.scene.road(None)?.ground;
-        let (x_m, y_m) = ground.turned(dx_m, dy_m);
-        let offset = Offset::Plane { dx_m: x_m, dy_m: y_m };
+        let axes = Pose { x_m: 0.0, y_m: 0.0, ..node.scene.road(None)?.ground.plane };
+        let (dx_m, dy_m) = axes.to_local(dx_m, dy_m);
+        let offset = Offset::Plane { dx_m, dy_m };
         Ok(oriented(From::Entity { entity, offset }, turn, Heading::Entity))
     }
 
@@ -91,10 +90,10 @@ elements! { "Positions";
     ["roadId" road: RoadId, "s" s_m: AtLeastZero as "m", "t" t_m: Number as "m"]
     {turn: Option<Orientation>}
     |node| {
-        let (_, part) = road;
+        let (scenery, part) = road;
         on_road(node, &part, s_m)?;
         let (s_m, t_m) = part.place(s_m, t_m);
-        let from = From::Road { s_m, t_m };
+        let from = From::Road { row: scenery.row, s_m, t_m };
         Ok(oriented(from, turn, |h_rad| Heading::Road(h_rad + part.heading_rad())))
     }
 
@@ -115,13 +114,14 @@ elements! { "Positions";
     |node| {
         let (scenery, part) = road;
         on_road(node, &part, s_m)?;
-        let (s_m, offset_m) = part.place(s_m, offset_m.unwrap_or(0.0));
+        let offset_m = offset_m.unwrap_or(0.0) * if part.reversed { -1.0 } else { 1.0 };
+        let (s_m, _) = part.place(s_m, 0.0);
         let (row, at_m) = (&scenery.road, part.inside(s_m));
         let Some(found) = lane.trim().parse().ok().and_then(|id| row.lane(at_m, id)) else {
             let reason = format!("road `{}` has no lane `{lane}`", part.id);
             return Err(node.wrong("laneId", reason, row.lane_names(at_m)));
         };
-        let from = From::Road { s_m, t_m: found.center_m + offset_m };
+        let from = From::Road { row: scenery.row, s_m, t_m: found.center_m + offset_m };
         let headings = node.scene.headings.get();
         let turned = matches!(turn, Some(Turn::Relative(h_rad)) if libm::cos(h_rad) < -0.9);
         let (counts, other) = match headings {
@@ -166,8 +166,8 @@ elements! { "Positions";
         let h_rad = h_rad.unwrap_or(0.0);
         match in_plane {
             Some(true) => {
-                let ground = &node.scene.road(None)?.ground;
-                Ok(Turn::Plane(Heading::Plane(ground.heading_rad(h_rad))))
+                let plane = node.scene.road(None)?.ground.plane;
+                Ok(Turn::Plane(Heading::Plane(h_rad - plane.heading_rad)))
             }
             _ => Ok(Turn::Relative(h_rad)),
         }
@@ -195,20 +195,19 @@ fn on_road(node: Node<'_>, part: &Part, s_m: f64) -> Result<(), ReadError> {
     Err(node.wrong("s", reason, format!("at most {}", part.length_m)))
 }
 
-/// The place of a position along the reference line, m, and its pose in the plane.
+/// The row of a position, its place along that, m, and its pose in the plane.
 pub(super) fn in_plane(
     node: Node<'_>,
     position: &position::Position,
-) -> Result<(f64, Pose), ReadError> {
-    let ground = &node.scene.road(None)?.ground;
-    let From::Road { s_m, t_m } = position.from else {
+) -> Result<(usize, f64, Pose), ReadError> {
+    let From::Road { row, s_m, t_m } = position.from else {
         let reason = "a line that is seen from an entity has no coordinates of its own";
         return Err(node.refuse(reason, "places on the road"));
     };
-    let at = ground.point(s_m, t_m);
+    let at = node.scene.row(row).ground.point(s_m, t_m);
     let heading_rad = match position.heading {
         Heading::Plane(heading_rad) => heading_rad,
         Heading::Road(heading_rad) | Heading::Entity(heading_rad) => at.heading_rad + heading_rad,
     };
-    Ok((s_m, Pose { heading_rad, ..at }))
+    Ok((row, s_m, Pose { heading_rad, ..at }))
 }

@@ -1,16 +1,16 @@
-//! Routes: all that happens is on one road, so they lead along it.
+//! Routes: the roads that an entity drives along, also through junctions.
 
 use super::catalog::FromCatalog;
 use super::position::Spot;
 use super::unused::Properties;
-use crate::declare::{AtLeastOne, Node, OneOf, Placed, Truth, elements, words};
-use crate::error::{Place, ReadError};
+use crate::declare::{AtLeastOne, Node, OneOf, Truth, elements, words};
+use crate::error::ReadError;
 use crate::model::action::Action;
-use crate::model::position::{self, From};
+use crate::model::position::Position;
 use crate::parameter::{ParameterDeclarations, Scoped};
 
 words! {
-    /// Ways to choose a route, which do the same on one road.
+    /// Ways to choose a route; it leads over as few roads as possible.
     RouteStrategy = () {
         "fastest" (),
         "shortest" (),
@@ -21,53 +21,43 @@ words! {
 }
 
 elements! { "Actions";
-    /// a route along the road is what the entity follows anyway: complete at once, without effect; a waypoint beside the road is refused
-    AssignRouteAction -> Action [] {_: OneOf<(Scoped<Route>, FromCatalog<Route>)>}
-    { Ok(Action::Nothing) }
+    /// the entity drives along the route's roads from now on, if it is on one of them; complete at once; the ego has that of Init
+    AssignRouteAction -> Action [] {way: OneOf<(Scoped<Route>, FromCatalog<Route>)>}
+    |node| { driven(node, way) }
 
-    /// see `AssignRouteAction`
-    AcquirePositionAction -> Action [] {at: Placed<Spot>}
-    |node| {
-        on_the_road(node, &at)?;
-        Ok(Action::Nothing)
-    }
+    /// the same with a route from its place in Init to this place
+    AcquirePositionAction -> Action [] {at: Spot} |node| { driven(node, vec![at]) }
 
     /// closed="false" only
-    Route -> Option<(f64, f64)> ["closed" closed: Truth] {
+    Route -> Vec<Position> ["closed" closed: Truth] {
         _: Option<ParameterDeclarations>,
         waypoints: AtLeastOne<Waypoint>,
         _: Option<Properties>,
     } unused ["name"]
     |node| {
         if closed {
-            let reason = "a road that is followed once has no closed routes";
-            return Err(node.wrong("closed", reason, "false"));
+            return Err(node.wrong("closed", "closed routes are not supported", "false"));
         }
         match waypoints.as_slice() {
             [] | [_] => Err(node.refuse("a route of one waypoint", "two waypoints or more")),
-            [from_m, .., to_m] => Ok(from_m.zip(*to_m)),
+            _ => Ok(waypoints),
         }
     }
 
-    /// on the ego's road or the roads that continue it; its lane has no effect
-    Waypoint -> Option<f64> ["routeStrategy" _: RouteStrategy] {at: Placed<Spot>}
-    |node| { on_the_road(node, &at) }
+    /// the route leads over its road, or the road nearest to it; its lane has no effect
+    Waypoint -> Position ["routeStrategy" _: RouteStrategy] {at: Spot}
 }
 
-/// Checks that a place is on the lanes of the road. Returns where along it; none for a place that is seen from an
-/// entity, since that moves with it.
-fn on_the_road(
-    node: Node<'_>,
-    (place, at): &(Place, position::Position),
-) -> Result<Option<f64>, ReadError> {
-    let From::Road { s_m, t_m } = at.from else { return Ok(None) };
-    let scenery = node.scene.road(None)?;
-    match scenery.road.holds(s_m, t_m) {
-        true => Ok(Some(s_m)),
-        false => {
-            let reason = format!("the route leads to a place {t_m:.1} m beside the reference line");
-            let expected = format!("a place on a lane of road {}", scenery.road.names());
-            Err(ReadError::meaning(place.clone(), reason, expected))
-        }
-    }
+/// The action that a route is: in the storyboard it has its row of roads, in Init the place of its entity comes later.
+fn driven(node: Node<'_>, over: Vec<Position>) -> Result<Action, ReadError> {
+    let (init, actors) = (node.scene.init.borrow(), node.scene.actors.borrow());
+    let placed = init.iter().find_map(|item| match item.action {
+        Action::Teleport(at) if item.actor.as_ref() == actors.first() => Some(at),
+        _ => None,
+    });
+    let start = if over.len() > 1 { over.first().copied() } else { placed };
+    Ok(Action::Route(match start.filter(|_| !init.is_empty()) {
+        Some(start) => vec![node.scene.on_its_way(&node.place(), start, &over)?],
+        None => over,
+    }))
 }

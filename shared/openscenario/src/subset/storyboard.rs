@@ -55,8 +55,12 @@ elements! { "Storyboard";
     Private -> Vec<InitAction> ["entityRef" actor: EntityName]
     {placed: AtLeastOne<Placed<PrivateAction>>}
     |node| {
-        let mut actions = Vec::new();
+        let (mut actions, mut route) = (Vec::new(), None);
         for (place, action) in placed {
+            if let action::Action::Route(over) = action {
+                route = Some((place, over));
+                continue;
+            }
             not_itself(node, &place, &[actor], &action)?;
             let is_done = match &action {
                 _ if actor != node.scene.ego.get() => true,
@@ -79,6 +83,12 @@ elements! { "Storyboard";
             };
             if is_done {
                 actions.push(InitAction { actor: Some(actor), action });
+            }
+        }
+        let (place, over) = route.unwrap_or_else(|| (node.place(), Vec::new()));
+        for InitAction { action, .. } in &mut actions {
+            if let action::Action::Teleport(position) = action {
+                *position = node.scene.on_its_way(&place, *position, &over)?;
             }
         }
         node.scene.spots.borrow_mut().starts[actor] = node.place().spot;

@@ -10,7 +10,6 @@ use super::route::{AcquirePositionAction, AssignRouteAction};
 use crate::declare::{
     AtLeastOne, AtLeastZero, Count, Node, Number, OneOf, Positive, Truth, elements, words,
 };
-use crate::error::ReadError;
 use crate::model::action::{self, Action, Vertex as Corner};
 use crate::model::position::{self, From, Heading};
 use crate::parameter::{ParameterDeclarations, Scoped};
@@ -111,7 +110,7 @@ elements! { "Actions";
     {position: Spot}
     |node| {
         let rate = rate.or(former_rate).unwrap_or(0.0);
-        let (near_s_m, start) = in_plane(node, &position)?;
+        let (row, near_s_m, start) = in_plane(node, &position)?;
         let chords = libm::ceil(length_m / CHORD_M).min(MAX_CHORDS);
         let chord_m = length_m / chords;
         let heading = |p_m: f64| start.heading_rad + (start_perm + 0.5 * rate * p_m) * p_m;
@@ -127,7 +126,7 @@ elements! { "Actions";
             }
             points.push((at.0, at.1, from_s + (to_s - from_s) * (p_m + chord_m) / length_m));
         }
-        vertices(node, near_s_m, &points)
+        Ok(vertices(node, (row, near_s_m), &points))
     }
 
     /// order: degree and 1, not above the number of control points; one knot a control point and order more
@@ -146,12 +145,12 @@ elements! { "Actions";
         }
         let (from, to) = (knots[order - 1], knots[count]);
         let mut weighted = Vec::with_capacity(count);
-        let (mut places, mut length_m) = (Vec::<(f64, Pose)>::with_capacity(count), 0.0);
+        let (mut places, mut length_m) = (Vec::<(usize, f64, Pose)>::with_capacity(count), 0.0);
         for Control { position, time_s, weight } in &controls {
-            let (s_m, at) = in_plane(node, position)?;
-            let last = places.last().map_or(at, |(_, last)| *last);
+            let (row, s_m, at) = in_plane(node, position)?;
+            let last = places.last().map_or(at, |(.., last)| *last);
             length_m += libm::hypot(at.x_m - last.x_m, at.y_m - last.y_m);
-            places.push((s_m, at));
+            places.push((row, s_m, at));
             weighted.push([at.x_m * weight, at.y_m * weight, time_s * weight, *weight]);
         }
         // The control points' polygon is at least as long as the curve.
@@ -160,7 +159,8 @@ elements! { "Actions";
             let [x, y, t, w] = spline(order, &knots, &weighted, from + (to - from) * chord as f64 / chords);
             (x / w, y / w, t / w)
         };
-        vertices(node, places[0].0, &(0..=chords as u64).map(at).collect::<Vec<_>>())
+        let points: Vec<_> = (0..=chords as u64).map(at).collect();
+        Ok(vertices(node, (places[0].0, places[0].1), &points))
     }
 
     /// pulls the curve by its weight, 1 if it is missing; all or none have a time
@@ -194,17 +194,17 @@ fn spline(order: usize, knots: &[f64], points: &[[f64; 4]], at: f64) -> [f64; 4]
 /// Corners from points of the plane with their times. They follow each other from a place of the road on.
 fn vertices(
     node: Node<'_>,
-    mut near_s_m: f64,
+    (row, mut near_s_m): (usize, f64),
     points: &[(f64, f64, f64)],
-) -> Result<Vec<Corner>, ReadError> {
-    let ground = &node.scene.road(None)?.ground;
+) -> Vec<Corner> {
+    let ground = &node.scene.row(row).ground;
     let corner = |&(x_m, y_m, time_s): &(f64, f64, f64)| {
         let (s_m, t_m) = ground.project((x_m, y_m), near_s_m);
         near_s_m = s_m;
-        let from = From::Road { s_m, t_m };
+        let from = From::Road { row, s_m, t_m };
         Corner { time_s, position: position::Position { from, heading: Heading::Road(0.0) } }
     };
-    Ok(points.iter().map(corner).collect())
+    points.iter().map(corner).collect()
 }
 
 #[cfg(test)]

@@ -2,52 +2,28 @@
 
 use std::sync::Arc;
 
-use road::{Axis, Pose};
+use road::{Axis, AxisError, Leg, Pose};
 
+use crate::road::{Driven, Ground};
 use crate::world::World;
 use crate::world::geometry::Motion;
 
 /// Parts of a way for which the curvature of a road is read.
 const PARTS: u32 = 32;
 
-/// The axis of a road in the plane, and where it lies in the world's coordinates.
-///
-/// Let an entity be at the offset l from an axis of the curvature κ. It covers (1 − κ l) m of way for each metre of the
-/// axis.
-#[derive(Clone, Debug)]
-pub struct Bend {
-    /// The axis; it begins where `s` is `at_s_m`.
-    pub axis: Arc<Axis>,
-    /// 1 where it leads along `s`, -1 where it leads against it.
-    pub direction: f64,
-    pub at_s_m: f64,
-    /// Its offset from the reference line, m.
-    pub at_t_m: f64,
-}
-
-impl Bend {
-    /// Way of an entity by the way on the axis: 1 on a straight road.
-    fn stretch(&self, s_m: f64, t_m: f64) -> f64 {
-        let along_m = self.direction * (s_m - self.at_s_m);
-        let aside_m = self.direction * (t_m - self.at_t_m);
-        1.0 - self.axis.curvature_perm(along_m) * aside_m
-    }
-}
-
 impl World {
-    /// Lays a curved axis under the world: from now on entities cover `s` by their offset from it.
-    pub fn bend(&mut self, bend: Bend) {
-        self.bend = Some(bend);
+    /// Lays a curved axis under a straight road: it begins at the place `s`, `t`. From now on entities cover `s` by their
+    /// offset from it.
+    pub fn bend(&mut self, axis: Axis, (from_m, shift_m): (f64, f64)) {
+        let plane = Pose::default();
+        let legs = vec![Leg { axis, start: plane, from_m, shift_m }];
+        self.grounds = Arc::new(vec![Ground { legs, plane }]);
     }
 
-    /// Way of an entity by the way on the axis, or on the reference line: 1 where it is straight.
+    /// Way of an entity by the way on the reference line: 1 where it is straight.
     pub(super) fn stretch(&self, entity: usize) -> f64 {
-        let Motion { s_m, t_m, .. } = self.state.movers[entity].motion;
-        self.stretch_at(s_m, t_m)
-    }
-
-    fn stretch_at(&self, s_m: f64, t_m: f64) -> f64 {
-        self.bend.as_ref().map_or_else(|| self.ground.stretch(s_m, t_m), |it| it.stretch(s_m, t_m))
+        let Motion { row, s_m, t_m, .. } = self.state.movers[entity].motion;
+        self.grounds[row].stretch(s_m, t_m)
     }
 
     /// The way of an entity to a place ahead of it at its present offset, m; negative to a place behind it.
@@ -55,27 +31,41 @@ impl World {
         let motion = &self.state.movers[entity].motion;
         let along_m = goal_s_m - motion.s_m;
         let middles = (0..PARTS).map(|part| (f64::from(part) + 0.5) / f64::from(PARTS));
-        let each = middles.map(|share| self.stretch_at(motion.s_m + share * along_m, motion.t_m));
+        let stretch = |s_m| self.grounds[motion.row].stretch(s_m, motion.t_m);
+        let each = middles.map(|share| stretch(motion.s_m + share * along_m));
         motion.direction() * along_m * each.sum::<f64>() / f64::from(PARTS)
     }
 }
 
-/// The axis of a drive on the curved road of a world.
+/// The axis of the ego's drive in a world.
 #[derive(Clone, Debug)]
 pub struct Way {
     /// The axis; (0, 0) is the place where the drive begins.
     pub axis: Arc<Axis>,
-    /// Its start, as seen from the start of the road's reference line.
+    /// Its start in the plane of the world.
     pub start: Pose,
 }
 
 impl Way {
+    /// The way along a line of the ego's row of roads.
+    ///
+    /// # Errors
+    /// When the line makes no axis.
+    pub fn of(world: &World, line: &Driven) -> Result<Self, AxisError> {
+        let (axis, start) = line.axis()?;
+        let row = world.motion(world.script.ego).row;
+        Ok(Self { axis: Arc::new(axis), start: start.placed(&world.grounds[row].legs[0].start) })
+    }
+
     /// The motion of an entity in the axis' coordinates. `s` is the place along it, `t` the offset to its left; the
     /// heading counts from its direction. `near_m` is a place of the axis near the entity.
     pub fn along(&self, world: &World, entity: usize, near_m: f64) -> Motion {
         let motion = world.motion(entity);
         let pose = world.pose(&motion).seen_from(&self.start);
-        let (p_m, l_m) = self.axis.project(pose.x_m, pose.y_m, near_m);
+        let (p_m, l_m) = match motion.row == world.motion(world.script.ego).row {
+            true => self.axis.project(pose.x_m, pose.y_m, near_m),
+            false => self.axis.nearest(pose.x_m, pose.y_m),
+        };
         let turn = pose.heading_rad - self.axis.pose(p_m).heading_rad;
         let heading_rad = libm::remainder(turn, std::f64::consts::TAU);
         // An action across the road is one across the axis, in its direction.
@@ -87,8 +77,9 @@ impl Way {
     /// The motion on the road of what is in the axis' coordinates. `near_s_m` is a place of the road near it.
     pub fn on_road(&self, world: &World, motion: &Motion, near_s_m: f64) -> Motion {
         let at = self.axis.point(motion.s_m, motion.t_m).placed(&self.start);
-        let (s_m, t_m) = world.ground.project((at.x_m, at.y_m), near_s_m);
-        let turn = at.heading_rad + motion.heading_rad - world.ground.direction_rad(s_m);
+        let ground = &world.grounds[motion.row];
+        let (s_m, t_m) = ground.project((at.x_m, at.y_m), near_s_m);
+        let turn = at.heading_rad + motion.heading_rad - ground.direction_rad(s_m);
         let heading_rad = libm::remainder(turn, std::f64::consts::TAU);
         Motion { s_m, t_m, heading_rad, ..*motion }
     }

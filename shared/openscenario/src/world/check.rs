@@ -1,10 +1,11 @@
 //! Checks that a script refers to entities and values that it has.
 
-use crate::model::action::{Action, LaneTarget, OffsetTarget};
+use crate::model::action::{Action, Aside, LaneTarget, OffsetTarget};
 use crate::model::condition::{CollisionWith, EntityTest, Measured, Target, Test};
+use crate::model::position::Position;
 use crate::model::{Category, MAX_ENTITIES, Script};
-use crate::world::WorldError;
 use crate::world::plan::Plan;
+use crate::world::{Motion, WorldError};
 
 /// Checks that every index of a script is inside its list.
 pub(super) fn check(script: &Script, plan: &Plan) -> Result<(), WorldError> {
@@ -34,14 +35,15 @@ fn of_action(action: &Action) -> Indices {
         Action::Speed { target, .. } => vec![target.entity()],
         Action::LaneChange { target: LaneTarget::Beside { entity, .. }, .. }
         | Action::LaneOffset { target: OffsetTarget::Entity { entity, .. }, .. }
+        | Action::LaneOffset { target: OffsetTarget::Aside(Aside { entity, .. }), .. }
         | Action::Delete { entity } => vec![Some(*entity)],
         Action::Distance(distance) => vec![Some(distance.entity)],
-        Action::Aside(aside) => vec![Some(aside.entity)],
         Action::Profile(profile) => vec![profile.relative_to],
         Action::Meet(meeting) => {
             vec![Some(meeting.master), meeting.goal.entity(), meeting.master_goal.entity()]
         }
         Action::Teleport(position) => vec![position.entity()],
+        Action::Route(places) => places.iter().map(Position::entity).collect(),
         Action::Add { entity, position } => vec![Some(*entity), position.entity()],
         Action::Trajectory(line) => {
             line.vertices.iter().map(|vertex| vertex.position.entity()).collect()
@@ -89,10 +91,9 @@ fn inside(what: &'static str, index: usize, count: usize) -> Result<(), WorldErr
 pub(super) fn fits_its_lane(
     script: &Script,
     actor: usize,
-    s_m: f64,
-    t_m: f64,
+    &Motion { row, s_m, t_m, .. }: &Motion,
 ) -> Result<(), WorldError> {
-    let (entity, road) = (&script.entities[actor], &script.road);
+    let (entity, road) = (&script.entities[actor], &script.roads[row]);
     let width_m = entity.body.width_m;
     let Some(lane) = road.lane_at(s_m, t_m).filter(|_| road.holds(s_m, t_m)) else {
         return Ok(());

@@ -2,13 +2,14 @@
 
 use std::collections::VecDeque;
 
+use road::Strip;
 use serde::{Deserialize, Serialize};
 
 use crate::model::condition::{
     Along, Clearance, CollisionWith, Condition, Edge, EntityTest, Measured, Target, Test,
 };
 use crate::world::World;
-use crate::world::geometry::{Extent, Motion, distance, overlap};
+use crate::world::geometry::{Extent, Motion, POINT, distance, overlap};
 use crate::world::plan::Numbered;
 use crate::world::shape::seconds;
 
@@ -130,9 +131,7 @@ impl World {
             }
             EntityTest::Collision(with) => self.collides(entity, *with),
             EntityTest::ReachPosition { position, tolerance_m } => {
-                self.resolve(position).is_some_and(|(s_m, t_m, _)| {
-                    self.apart((motion.s_m, motion.t_m), (s_m, t_m)) <= *tolerance_m
-                })
+                self.resolve(position).is_some_and(|at| self.apart(motion, &at) <= *tolerance_m)
             }
             EntityTest::Distance { to, rule, value } => {
                 self.measure(entity, to).is_some_and(|(metres, ..)| rule.holds(metres, *value))
@@ -164,36 +163,31 @@ impl World {
 
     /// True if none of the others is in a part of the road around an entity.
     fn is_clear(&self, entity: usize, clearance: &Clearance) -> bool {
-        let (own, road) = (self.motion(entity), &self.script.road);
+        let own = self.motion(entity);
+        let (road, forward) = (&self.script.roads[own.row], own.direction());
         let Some(lane) = road.lane_at(own.s_m, own.t_m) else { return true };
-        let (traffic, forward) = (road.direction(&lane), own.direction());
-        let disturbs = |other: usize| {
-            let Motion { present, s_m, t_m, .. } = self.motion(other);
-            let origin = Extent { from_s_m: s_m, to_s_m: s_m, from_t_m: t_m, to_t_m: t_m };
-            let body = if clearance.freespace { self.extent(other) } else { origin };
-            let [near_m, far_m] = [body.from_s_m, body.to_s_m].map(|s| forward * (s - own.s_m));
-            let is_near =
-                near_m.min(far_m) <= clearance.ahead_m && near_m.max(far_m) >= -clearance.behind_m;
+        clearance.entities.iter().filter(|other| **other != entity).all(|&other| {
+            let there = self.on_row(&self.motion(other), own.row).filter(|it| it.present);
+            let Some(there) = there else { return true };
+            let whole = &self.script.entities[other].body;
+            let body = Extent::of(if clearance.freespace { whole } else { &POINT }, &there);
+            let ends_m = [body.from_s_m, body.to_s_m].map(|s_m| forward * (s_m - own.s_m));
+            let is_far = ends_m.iter().all(|end_m| *end_m > clearance.ahead_m)
+                || ends_m.iter().all(|end_m| *end_m < -clearance.behind_m);
             // The own lane, where the other one is.
-            let center_m = lane.center_m + road.drift(own.s_m, lane.center_m, s_m);
-            let index = road.lane_at(s_m, center_m).map_or(lane.index, |lane| lane.index) as i32;
-            let is_on_one = || {
-                road.lanes.strips(s_m).any(|strip| {
-                    let left = forward as i32 * (strip.index as i32 - index);
-                    let is_meant = |(from, to): &(i32, i32)| (*from..=*to).contains(&left);
-                    let half_m = 0.5 * strip.width_m;
-                    (clearance.lanes.is_empty() || clearance.lanes.iter().any(is_meant))
-                        && (clearance.opposite || road.direction(&strip) == traffic)
-                        && body.from_t_m <= strip.center_m + half_m
-                        && body.to_t_m >= strip.center_m - half_m
-                })
+            let center_m = lane.center_m + road.drift(own.s_m, lane.center_m, there.s_m);
+            let index = road.lane_at(there.s_m, center_m).map_or(lane.index, |lane| lane.index);
+            let is_free = |strip: Strip| {
+                let left = forward as i32 * (strip.index as i32 - index as i32);
+                let is_meant = |(from, to): &(i32, i32)| (*from..=*to).contains(&left);
+                let half_m = 0.5 * strip.width_m;
+                !clearance.lanes.iter().any(is_meant)
+                    || !(clearance.opposite || road.direction(&strip) == road.direction(&lane))
+                    || body.from_t_m > strip.center_m + half_m
+                    || body.to_t_m < strip.center_m - half_m
             };
-            other != entity && present && is_near && is_on_one()
-        };
-        match clearance.entities.is_empty() {
-            true => !(0..self.script.entities.len()).any(disturbs),
-            false => !clearance.entities.iter().any(|&other| disturbs(other)),
-        }
+            is_far || road.lanes.strips(there.s_m).all(is_free)
+        })
     }
 
     /// A motion with coordinates of the plane in the place of `s` and `t`.
@@ -202,17 +196,16 @@ impl World {
         Motion { s_m: pose.x_m, t_m: pose.y_m, heading_rad: pose.heading_rad, ..*motion }
     }
 
-    fn touch(&self, entity: usize, other: usize) -> bool {
-        if self.ground.is_straight() {
-            return self.extent(entity).overlaps(&self.extent(other));
-        }
+    /// True if the bodies of two entities overlap.
+    pub fn touch(&self, entity: usize, other: usize) -> bool {
         let body = |entity: usize| {
             (&self.script.entities[entity].body, self.in_plane(&self.motion(entity)))
         };
         overlap(body(entity), body(other))
     }
 
-    /// The distance from an entity to a target, m, if the target is on the road. With it come the rate at which it
+    /// The distance from an entity to a target, m, if the target is on the road. There is none along or across roads that
+    /// do not connect. With it come the rate at which it
     /// shrinks, m/s, and true if the target is behind the entity: there is no headway to it.
     fn measure(&self, entity: usize, to: &Measured) -> Option<(f64, f64, bool)> {
         let own = self.motion(entity);
@@ -220,10 +213,7 @@ impl World {
             Target::Entity(other) => {
                 (Some(&self.script.entities[*other].body), self.motion(*other))
             }
-            Target::Position(position) => {
-                let (s_m, t_m, heading_rad) = self.resolve(position)?;
-                (None, Motion { present: true, s_m, t_m, heading_rad, ..Motion::default() })
-            }
+            Target::Position(position) => (None, self.resolve(position)?),
         };
         if !far.present {
             return None;
@@ -231,7 +221,10 @@ impl World {
         // On a curved road such a distance differs from that along and across the road.
         let (own, far) = match to.entity_axes || to.along == Along::Euclidean {
             true => (self.in_plane(&own), self.in_plane(&far)),
-            false => (own, far),
+            false => match self.on_row(&far, own.row) {
+                Some(far) => (own, far),
+                None => (self.on_row(&own, far.row)?, far),
+            },
         };
         let ends = ((&self.script.entities[entity].body, &own), (body, &far));
         let measure = |along| distance(ends.0, ends.1, along, to.entity_axes, to.freespace);

@@ -10,6 +10,9 @@ use crate::model::condition::Along;
 pub struct Motion {
     /// True if it is on the road. If not, the other fields have no meaning.
     pub present: bool,
+    /// The row of roads on which it is, by its place in the script.
+    #[serde(default)]
+    pub row: usize,
     /// Origin along the reference line, m.
     pub s_m: f64,
     /// Origin across it, positive to the left, m.
@@ -56,14 +59,6 @@ impl Extent {
     pub fn front_s_m(&self, direction: f64) -> f64 {
         if direction > 0.0 { self.to_s_m } else { self.from_s_m }
     }
-
-    /// True if two extents overlap.
-    pub fn overlaps(&self, other: &Self) -> bool {
-        self.from_s_m < other.to_s_m
-            && other.from_s_m < self.to_s_m
-            && self.from_t_m < other.to_t_m
-            && other.from_t_m < self.to_t_m
-    }
 }
 
 /// A body seen along one direction.
@@ -100,7 +95,8 @@ pub(super) fn overlap(a: (&Body, Motion), b: (&Body, Motion)) -> bool {
 }
 
 /// A body without an extent.
-const POINT: Body = Body { center_ahead_m: 0.0, center_left_m: 0.0, length_m: 0.0, width_m: 0.0 };
+pub(super) const POINT: Body =
+    Body { center_ahead_m: 0.0, center_left_m: 0.0, length_m: 0.0, width_m: 0.0 };
 
 /// The distance from a body, or from its origin, to another body or a point, m.
 pub(super) fn distance(

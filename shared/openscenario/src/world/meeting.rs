@@ -14,10 +14,13 @@
 //! v(t) = u (1 - t/t₁)² with t₁ = 3 D √u/(u √u + w √w), waits, and leaves in time. Each step makes the plan anew. For a
 //! master of constant speed every plan is the rest of the one before.
 
+use road::Pose;
+
+use crate::model::position::Position;
 use crate::model::timed::{Meeting, Steady};
-use crate::world::World;
 use crate::world::motion::{Part, rate};
 use crate::world::shape::{MAX_SPEED_MPS, SHORTEST_S, seconds};
+use crate::world::{Motion, World};
 
 /// Largest change of the speed, m/s². Just before the arrival a plan answers to the last change of the master's speed,
 /// and would ask for any acceleration.
@@ -85,10 +88,16 @@ impl World {
 
     /// The ways of the entity and of its master to their goals, m.
     fn ways(&self, entity: usize, meeting: &Meeting) -> Option<(f64, f64)> {
-        let on_road = self.motion(entity).present && self.motion(meeting.master).present;
-        let (s_m, ..) = self.resolve(&meeting.goal).filter(|_| on_road)?;
-        let (master_s_m, ..) = self.resolve(&meeting.master_goal)?;
-        Some((self.way_to(entity, s_m), self.way_to(meeting.master, master_s_m)))
+        let way = |entity: usize, goal: &Position| {
+            let Motion { present, row, s_m, .. } = self.motion(entity);
+            let goal = self.resolve(goal).filter(|_| present)?;
+            let Pose { x_m, y_m, .. } = self.pose(&goal);
+            // A goal beside the roads of the row is found in the plane.
+            let in_plane = || self.grounds[row].project((x_m, y_m), s_m).0;
+            let goal_m = self.on_row(&goal, row).map_or_else(in_plane, |goal| goal.s_m);
+            Some(self.way_to(entity, goal_m))
+        };
+        Some((way(entity, &meeting.goal)?, way(meeting.master, &meeting.master_goal)?))
     }
 
     /// True if the master is at its goal, or both are within their tolerances.

@@ -22,14 +22,15 @@ mod targets;
 
 use std::sync::Arc;
 
+use road::{Leg, Pose};
 use serde::{Deserialize, Serialize};
 
 use crate::expression::Value;
 use crate::model::action::Action;
 use crate::model::condition::{EntityTest, Test};
 use crate::model::{Drive, Script};
-use crate::road::Ground;
-pub use bend::{Bend, Way};
+use crate::road::{Ground, Road};
+pub use bend::Way;
 use condition::ConditionMemory;
 pub use geometry::{Extent, Motion};
 use motion::Mover;
@@ -100,10 +101,10 @@ pub struct State {
 ///     body,
 ///     drive: Drive::External,
 /// };
-/// let from = From::Road { s_m: 10.0, t_m: -1.75 };
+/// let from = From::Road { row: 0, s_m: 10.0, t_m: -1.75 };
 /// let place = Action::Teleport(Position { from, heading: Heading::Road(0.0) });
 /// let mut world = World::new(Script {
-///     road: Road::assumed(),
+///     roads: vec![Road::assumed()],
 ///     ego: 0,
 ///     entities: vec![ego],
 ///     values: Vec::new(),
@@ -121,12 +122,11 @@ pub struct State {
 #[derive(Clone, Debug)]
 pub struct World {
     script: Arc<Script>,
-    ground: Arc<Ground>,
+    /// The rows of roads in the plane.
+    grounds: Arc<Vec<Ground>>,
     /// The lanes are the same all along.
     is_uniform: bool,
     plan: Arc<Plan>,
-    /// On a road with a plan.
-    bend: Option<Bend>,
     state: State,
 }
 
@@ -144,13 +144,16 @@ impl World {
             values: script.values.iter().map(|named| named.value.clone()).collect(),
             ..State::default()
         };
-        if !script.road.lanes.is_sound() {
+        let is_sound = |road: &Road| !road.parts.is_empty() && road.lanes.is_sound();
+        if script.roads.is_empty() || !script.roads.iter().all(is_sound) {
             return Err(WorldError::Lanes);
         }
-        let ground = Arc::new(Ground::of(&script.road)?);
-        let is_uniform = script.road.lanes.is_uniform();
+        let plane = script.roads[0].start();
+        let grounds = script.roads.iter().map(|road| Ground::of(road, &plane));
+        let grounds = Arc::new(grounds.collect::<Result<Vec<_>, _>>()?);
+        let is_uniform = script.roads.iter().all(|road| road.lanes.is_uniform());
         let (script, plan) = (Arc::new(script), Arc::new(plan));
-        let mut world = Self { script, ground, is_uniform, plan, bend: None, state };
+        let mut world = Self { script, grounds, is_uniform, plan, state };
         world.place()?;
         world.first_speeds()?;
         let script = Arc::clone(&world.script);
@@ -216,6 +219,12 @@ impl World {
         self.state.movers[entity].motion
     }
 
+    /// All that happens is on one straight row of roads.
+    pub fn is_straight(&self) -> bool {
+        let is_line = |leg: &Leg| leg.axis.is_straight() && leg.start == Pose::default();
+        self.grounds.iter().all(|ground| ground.legs.len() == 1 && is_line(&ground.legs[0]))
+    }
+
     /// The extent of an entity's body on the road.
     pub fn extent(&self, entity: usize) -> Extent {
         Extent::of(&self.script.entities[entity].body, &self.motion(entity))
@@ -241,8 +250,8 @@ impl World {
 
     /// The ego's front is between the road's ends. An assumed road has no ends.
     fn is_ego_on_road(&self) -> bool {
-        let Some(length_m) = self.script.road.length_m else { return true };
         let ego = self.motion(self.script.ego);
+        let Some(length_m) = self.script.roads[ego.row].length_m else { return true };
         let front_m = self.extent(self.script.ego).front_s_m(ego.direction());
         ego.present && (0.0..=length_m).contains(&front_m)
     }

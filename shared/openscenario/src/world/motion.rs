@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::action::{Aside, Distance, Shape};
+use crate::model::action::{Distance, Shape};
 use crate::model::timed::Meeting;
 use crate::model::{Category, Drive, MAX_ENTITIES};
 use crate::world::World;
@@ -19,7 +19,7 @@ pub(super) struct Mover {
     pub odometer_m: f64,
     pub pace: Pace,
     /// Without one the lateral position stays.
-    pub steer: Option<Steer>,
+    pub steer: Option<LateralShape>,
     pub path: Option<Path>,
     /// The storyboard's actions that these [`Part`]s belong to.
     pub owners: [Option<usize>; 3],
@@ -64,19 +64,7 @@ impl Pace {
     }
 }
 
-/// A lateral action.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum Steer {
-    Shape(LateralShape),
-    /// At a distance beside another entity, with the present speed across the road, m/s, and the last place to be, m.
-    Aside {
-        of: Aside,
-        mps: f64,
-        goal_m: Option<f64>,
-    },
-}
-
-/// A way from one lateral position to another.
+/// A lateral action: from one lateral position to another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct LateralShape {
     pub from_t_m: f64,
@@ -96,7 +84,7 @@ pub(super) enum Course {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Path {
-    /// Corners: time since the start of the run in s, or distance in m; then `s` and `t`.
+    /// Corners: time since the start of the run in s, or distance in m; then a point of the plane, m.
     pub corners: Vec<(f64, f64, f64)>,
     /// Odometer at its start, m, if the corners count by distance.
     pub by_way_from_m: Option<f64>,
@@ -218,15 +206,14 @@ impl World {
         if !moves || !mover.motion.present || mover.path.is_some() {
             return;
         }
-        let (road, to_s_m) = (&self.script.road, mover.motion.s_m);
+        let (road, to_s_m) = (&self.script.roads[mover.motion.row], mover.motion.s_m);
         match &mut mover.steer {
             None => {
                 let drift_m = road.drift(from_s_m, mover.motion.t_m, to_s_m);
                 mover.motion.t_m += drift_m;
                 mover.motion.lateral_mps = rate(0.0, drift_m, elapsed_s);
             }
-            Some(Steer::Aside { .. }) => {}
-            Some(Steer::Shape(shape)) => {
+            Some(shape) => {
                 let drift_m = road.drift(from_s_m, shape.to_t_m, to_s_m);
                 shape.from_t_m += drift_m;
                 shape.to_t_m += drift_m;
@@ -235,11 +222,7 @@ impl World {
     }
 
     fn steer(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
-        let shape = match self.state.movers[entity].steer {
-            Some(Steer::Shape(shape)) => shape,
-            Some(Steer::Aside { .. }) => return self.keep_aside(entity, from_ns, time_ns),
-            None => return,
-        };
+        let Some(shape) = self.state.movers[entity].steer else { return };
         let odometer_m = self.state.movers[entity].odometer_m;
         let x = match shape.by {
             Course::Time { start_ns, duration_s } => {
@@ -249,7 +232,11 @@ impl World {
         };
         let over = x >= 1.0;
         let target = match (over, shape.endless) {
-            (true, Some(Some((other, offset_m)))) => self.state.movers[other].motion.t_m + offset_m,
+            (true, Some(Some((other, offset_m)))) => {
+                let own = self.motion(entity);
+                let other = self.on_row(&self.motion(other), own.row);
+                other.map_or(own.t_m, |other| other.t_m + offset_m)
+            }
             (true, _) => shape.to_t_m,
             (false, _) => shape.from_t_m + (shape.to_t_m - shape.from_t_m) * shape.shape.value(x),
         };
@@ -265,39 +252,37 @@ impl World {
     }
 
     fn follow(&mut self, entity: usize, time_ns: u64) {
-        let mover = &mut self.state.movers[entity];
+        let mover = &self.state.movers[entity];
         let Some(path) = &mover.path else { return };
         let at = match path.by_way_from_m {
             Some(start_m) => mover.odometer_m - start_m,
             None => seconds(time_ns),
         };
         let corners = &path.corners;
-        let last = corners[corners.len() - 1];
         let before =
             corners.partition_point(|corner| corner.0 <= at).clamp(1, corners.len() - 1) - 1;
         let (a, b) = (corners[before], corners[before + 1]);
         let share = ((at - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
-        let stretch = self.ground.stretch(0.5 * (a.1 + b.1), 0.5 * (a.2 + b.2));
-        let (ds, dt) = (b.1 - a.1, b.2 - a.2);
-        let way_m = |ds_m: f64, dt_m: f64| libm::hypot(stretch * ds_m, dt_m);
-        let timed = path.is_timed();
-        let over = at >= last.0;
+        let (dx, dy) = (b.1 - a.1, b.2 - a.2);
+        let (is_timed, has_begun) = (path.is_timed(), at >= corners[0].0);
+        let over = at >= corners[corners.len() - 1].0;
         if self.script.entities[entity].drive == Drive::Scripted {
+            let (ground, here) = (&self.grounds[mover.motion.row], self.pose(&mover.motion));
+            let (x_m, y_m) = (a.1 + share * dx, a.2 + share * dy);
+            let (s_m, t_m) = ground.project((x_m, y_m), mover.motion.s_m);
+            let turn = libm::atan2(dy, dx) - ground.direction_rad(s_m);
+            let mover = &mut self.state.movers[entity];
             let motion = &mut mover.motion;
-            let s_m = a.1 + share * ds;
-            let t_m = a.2 + share * dt;
-            if timed && at >= corners[0].0 {
-                motion.speed_mps = (way_m(ds, dt) / (b.0 - a.0)).min(MAX_SPEED_MPS);
+            if is_timed && has_begun {
+                motion.speed_mps = (libm::hypot(dx, dy) / (b.0 - a.0)).min(MAX_SPEED_MPS);
                 motion.acceleration_mps2 = 0.0;
-                mover.odometer_m += way_m(s_m - motion.s_m, t_m - motion.t_m);
-            } else if timed {
+                mover.odometer_m += libm::hypot(x_m - here.x_m, y_m - here.y_m);
+            } else if is_timed {
                 motion.speed_mps = 0.0;
             }
-            motion.s_m = s_m;
-            motion.t_m = t_m;
-            motion.lateral_mps = 0.0;
-            if ds != 0.0 || dt != 0.0 {
-                motion.heading_rad = libm::atan2(dt, stretch * ds);
+            (motion.s_m, motion.t_m, motion.lateral_mps) = (s_m, t_m, 0.0);
+            if dx != 0.0 || dy != 0.0 {
+                motion.heading_rad = libm::remainder(turn, std::f64::consts::TAU);
             }
         }
         if over {
@@ -306,9 +291,9 @@ impl World {
     }
 
     fn note_standing(&mut self, entity: usize, time_ns: u64) {
-        let road = &self.script.road;
         let mover = &mut self.state.movers[entity];
         let motion = mover.motion;
+        let road = &self.script.roads[motion.row];
         let beyond =
             |length_m: f64| motion.s_m >= length_m || motion.s_m <= 0.0 && motion.direction() < 0.0;
         let at_end = road.length_m.is_some_and(beyond);

@@ -2,23 +2,20 @@
 
 use std::sync::Arc;
 
+use road::Pose;
+
 use crate::model::action::{
-    Action, Change, Dimension, OffsetTarget, Shape, Trajectory, Transition,
+    Action, Aside, Change, Dimension, LateralSide, OffsetTarget, Shape, Trajectory, Transition,
 };
 use crate::model::condition::ElementState;
 use crate::model::position::Position;
 use crate::model::timed::SpeedTarget;
 use crate::world::check::fits_its_lane;
 use crate::world::geometry::Motion;
-use crate::world::motion::{Course, LateralShape, Pace, Part, Path, Steer};
+use crate::world::motion::{Course, LateralShape, Pace, Part, Path};
 use crate::world::profile::Profile;
 use crate::world::shape::{SHORTEST_S, SpeedShape, seconds};
 use crate::world::{World, WorldError};
-
-/// Length of the chords that a line is cut into on a curved road, m.
-const CHORD_M: f64 = 1.0;
-/// Most corners of a line that is cut into chords.
-const MAX_CORNERS: usize = 20_000;
 
 impl World {
     /// Places the entities of Init's teleports, each after the one that it is placed from.
@@ -32,14 +29,13 @@ impl World {
         let circle = "cannot be placed: the entities that it is placed from depend on each other";
         let placed = self.in_order(places.collect(), |position| position.entity(), circle)?;
         for (actor, position) in placed {
-            let Some((s_m, t_m, heading_rad)) = self.resolve(position) else {
+            let Some(at) = self.resolve(position) else {
                 let reason =
                     "cannot be placed: the lane or the entity that it is placed from is not there";
                 return Err(self.no_start(actor, reason));
             };
-            fits_its_lane(&script, actor, s_m, t_m)?;
-            let motion = &mut self.state.movers[actor].motion;
-            *motion = Motion { present: true, s_m, t_m, heading_rad, ..*motion };
+            fits_its_lane(&script, actor, &at)?;
+            self.state.movers[actor].motion = at;
         }
         Ok(())
     }
@@ -106,6 +102,13 @@ impl World {
     fn begin(&mut self, action: &Action, actor: usize, element: Option<usize>) {
         match action {
             Action::Teleport(position) => self.teleport(actor, position),
+            Action::Route(places) => {
+                let row = places.first().and_then(|place| self.resolve(place)).map(|at| at.row);
+                let there = row.and_then(|row| self.on_row(&self.motion(actor), row));
+                if let Some(motion) = there.filter(|_| !self.is_external(actor)) {
+                    self.state.movers[actor].motion = motion;
+                }
+            }
             Action::Speed { target, transition } => {
                 self.begin_speed(actor, target, transition, element)
             }
@@ -130,13 +133,6 @@ impl World {
             Action::Meet(meeting) if self.can_meet(actor, meeting) => {
                 self.set_pace(actor, Pace::Meet(meeting.clone()), element);
             }
-            Action::Aside(aside) => {
-                self.clear(actor, Part::Steer);
-                self.clear(actor, Part::Path);
-                let of = self.with_side(actor, aside);
-                self.hold_steer(actor, Steer::Aside { of, mps: 0.0, goal_m: None }, element);
-                self.keep_aside(actor, self.state.time_ns, self.state.time_ns);
-            }
             Action::LaneChange { target, offset_m, transition } => {
                 let Some(lane_t_m) = self.lane_goal(actor, target) else { return };
                 let (from_t_m, to_t_m) = (self.motion(actor).t_m, lane_t_m + offset_m);
@@ -153,23 +149,31 @@ impl World {
                 self.set_steer(actor, shape, element);
             }
             Action::LaneOffset { target, shape, max_lateral_mps2, continuous } => {
-                let (to_t_m, follow) = match target {
+                let own = self.motion(actor);
+                let other = |entity: usize| self.on_row(&self.motion(entity), own.row);
+                let (to_t_m, follow, most_mps) = match *target {
                     OffsetTarget::Lane(offset_m) => {
-                        let Motion { s_m, t_m, .. } = self.motion(actor);
-                        let lane = self.script.road.lane_at(s_m, t_m);
-                        (lane.map_or(0.0, |lane| lane.center_m) + offset_m, None)
+                        let lane = self.script.roads[own.row].lane_at(own.s_m, own.t_m);
+                        (lane.map_or(0.0, |lane| lane.center_m) + offset_m, None, f64::INFINITY)
                     }
                     OffsetTarget::Entity { entity, offset_m } => {
-                        (self.motion(*entity).t_m + offset_m, Some((*entity, *offset_m)))
+                        let Some(other) = other(entity) else { return };
+                        (other.t_m + offset_m, Some((entity, offset_m)), f64::INFINITY)
+                    }
+                    OffsetTarget::Aside(aside) => {
+                        let Some(other) = other(aside.entity) else { return };
+                        let offset_m = self.offset_aside(actor, &other, &aside);
+                        (other.t_m + offset_m, Some((aside.entity, offset_m)), aside.most_mps)
                     }
                 };
-                let from_t_m = self.motion(actor).t_m;
+                let (from_t_m, way_m) = (own.t_m, (to_t_m - own.t_m).abs());
                 let duration_s = match max_lateral_mps2 {
                     Some(most) if *shape != Shape::Step => {
-                        libm::sqrt((to_t_m - from_t_m).abs() * shape.largest_curvature() / most)
+                        libm::sqrt(way_m * shape.largest_curvature() / most)
                     }
                     _ => 0.0,
                 };
+                let duration_s = duration_s.max(way_m * shape.largest_rate() / most_mps);
                 let by = Course::Time { start_ns: self.state.time_ns, duration_s };
                 let endless = continuous.then_some(follow);
                 let shape = LateralShape { from_t_m, to_t_m, by, shape: *shape, endless };
@@ -224,28 +228,26 @@ impl World {
         let mut corners = Vec::with_capacity(trajectory.vertices.len());
         let mut way_m = -trajectory.initial_offset_m;
         for vertex in &trajectory.vertices {
-            let Some((s_m, t_m, _)) = self.resolve(&vertex.position) else { continue };
+            let Some(place) = self.resolve(&vertex.position) else { continue };
+            let Pose { x_m, y_m, .. } = self.pose(&place);
             let at = match &trajectory.timing {
                 Some(timing) => {
                     let base = if timing.absolute { 0.0 } else { start_s };
                     base + timing.scale * vertex.time_s + timing.offset_s
                 }
                 None => {
-                    if let Some(&(_, s, t)) = corners.last() {
-                        way_m += self.apart((s, t), (s_m, t_m));
+                    if let Some(&(_, x, y)) = corners.last() {
+                        way_m += libm::hypot(x_m - x, y_m - y);
                     }
                     way_m
                 }
             };
             if corners.last().is_none_or(|&(last, _, _): &(f64, f64, f64)| last < at) {
-                corners.push((at, s_m, t_m));
+                corners.push((at, x_m, y_m));
             }
         }
         if corners.len() < 2 {
             return;
-        }
-        if !self.ground.is_straight() {
-            corners = self.in_chords(&corners);
         }
         let timed = trajectory.timing.is_some();
         if timed {
@@ -260,32 +262,25 @@ impl World {
         self.hold(element);
     }
 
-    /// The distance between two points of the road, m.
-    pub(super) fn apart(&self, from: (f64, f64), to: (f64, f64)) -> f64 {
-        let [from, to] = [from, to].map(|(s_m, t_m)| self.ground.point(s_m, t_m));
-        libm::hypot(to.x_m - from.x_m, to.y_m - from.y_m)
+    /// The offset from the lateral position of another entity at which one is at its distance beside that, m.
+    fn offset_aside(&self, actor: usize, other: &Motion, aside: &Aside) -> f64 {
+        let [own_m, other_m] =
+            [actor, aside.entity].map(|it| self.script.entities[it].body.width_m);
+        let bodies_m = if aside.freespace { 0.5 * (own_m + other_m) } else { 0.0 };
+        let left_m = (self.motion(actor).t_m - other.t_m) * other.direction();
+        let kept_m = (left_m.abs() - bodies_m).max(0.0);
+        let apart_m = other.direction() * (aside.distance_m.unwrap_or(kept_m) + bodies_m);
+        match aside.side {
+            LateralSide::Left => apart_m,
+            LateralSide::Any if left_m >= 0.0 => apart_m,
+            LateralSide::Any | LateralSide::Right => -apart_m,
+        }
     }
 
-    /// A line that is straight between its corners in the plane, with corners of its own on a curved road.
-    fn in_chords(&self, corners: &[(f64, f64, f64)]) -> Vec<(f64, f64, f64)> {
-        let most = (MAX_CORNERS / corners.len()).max(1) as f64;
-        let mut all = vec![corners[0]];
-        for pair in corners.windows(2) {
-            let (a, b) = (pair[0], pair[1]);
-            let (from, to) = (self.ground.point(a.1, a.2), self.ground.point(b.1, b.2));
-            let chords = libm::ceil(self.apart((a.1, a.2), (b.1, b.2)) / CHORD_M).clamp(1.0, most);
-            let mut near_s_m = a.1;
-            for i in 1..chords as u64 {
-                let share = i as f64 / chords;
-                let at = |from: f64, to: f64| from + share * (to - from);
-                let point = (at(from.x_m, to.x_m), at(from.y_m, to.y_m));
-                let (s_m, t_m) = self.ground.project(point, near_s_m);
-                near_s_m = s_m;
-                all.push((at(a.0, b.0), s_m, t_m));
-            }
-            all.push(b);
-        }
-        all
+    /// The distance between two places in the plane, m.
+    pub(super) fn apart(&self, from: &Motion, to: &Motion) -> f64 {
+        let [from, to] = [from, to].map(|at| self.pose(at));
+        libm::hypot(to.x_m - from.x_m, to.y_m - from.y_m)
     }
 
     fn set_pace(&mut self, actor: usize, pace: Pace, element: Option<usize>) {
@@ -306,12 +301,8 @@ impl World {
         if immediate && shape.endless.is_none() {
             return;
         }
-        self.hold_steer(actor, Steer::Shape(shape), element);
-    }
-
-    fn hold_steer(&mut self, actor: usize, steer: Steer, element: Option<usize>) {
         let mover = &mut self.state.movers[actor];
-        mover.steer = Some(steer);
+        mover.steer = Some(shape);
         mover.owners[Part::Steer as usize] = element;
         self.hold(element);
     }
@@ -330,9 +321,10 @@ impl World {
         if self.is_external(actor) {
             return;
         }
-        if let Some((s_m, t_m, heading_rad)) = self.resolve(position) {
+        if let Some(at) = self.resolve(position) {
             let motion = &mut self.state.movers[actor].motion;
-            *motion = Motion { present: true, s_m, t_m, heading_rad, ..*motion };
+            let Motion { speed_mps, lateral_mps, acceleration_mps2, .. } = *motion;
+            *motion = Motion { speed_mps, lateral_mps, acceleration_mps2, ..at };
         }
     }
 

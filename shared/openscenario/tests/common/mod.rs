@@ -6,6 +6,8 @@
 )]
 #![allow(dead_code)]
 
+pub mod crossing;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

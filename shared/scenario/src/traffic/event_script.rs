@@ -52,7 +52,7 @@ fn of_events(scenario: &Scenario) -> Script {
     let place = |actor, s_m, t_m| InitAction {
         actor: Some(actor),
         action: Action::Teleport(Position {
-            from: From::Road { s_m, t_m },
+            from: From::Road { row: 0, s_m, t_m },
             heading: Heading::Road(0.0),
         }),
     };
@@ -75,8 +75,8 @@ fn of_events(scenario: &Scenario) -> Script {
             stories.push(story(scenario, index, actor));
         }
     }
-    let road = Road::one_lane();
-    Script { road, ego: 0, entities, values: Vec::new(), init, stories, stop: None }
+    let roads = vec![Road::one_lane()];
+    Script { roads, ego: 0, entities, values: Vec::new(), init, stories, stop: None }
 }
 
 const STEP: Transition = Transition { shape: Shape::Step, dimension: Dimension::Time, value: 0.0 };

@@ -27,13 +27,13 @@ pub(crate) fn of(script: &Script, world: &World, headings: LaneHeadings) -> Vec<
 
 /// A notice if a vehicle on a lane faces against the lane's traffic.
 fn against_its_lane(script: &Script, name: &str, motion: Motion) -> Option<String> {
-    let (road, Motion { s_m, t_m, .. }) = (&script.road, motion);
+    let Motion { row, s_m, t_m, .. } = motion;
+    let road = &script.roads[row];
     let lane = road.lane_at(s_m, t_m).filter(|_| motion.present && road.holds(s_m, t_m))?;
     if motion.direction() == road.direction(&lane) {
         return None;
     }
-    let part = road.parts.iter().rev().find(|part| part.from_m <= s_m);
-    let is_along = (motion.direction() > 0.0) != part.is_some_and(|part| part.reversed);
+    let is_along = (motion.direction() > 0.0) != road.part_at(s_m).reversed;
     let (id, h) = (lane.id, if is_along { "3.14159" } else { "0" });
     Some(format!(
         "`{name}` begins in lane {id} and faces against its traffic: orientations count from the road's \

@@ -4,7 +4,6 @@
 //! `[controller]`. Every other entity is an actor with the profile `storyboard`.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use openscenario::model::condition::{Condition, Test, Trigger};
 use openscenario::model::{Drive, Script};
@@ -133,8 +132,8 @@ fn actors_of(script: &Script, world: &World, way: Option<&Way>) -> Vec<Table> {
 /// The keys of the road along the line on which the ego begins: its course, if it has curves, and its heights. With them
 /// comes the line itself, if it has curves.
 fn road_of(script: &Script, world: &World) -> Result<(Table, Option<Way>), AxisError> {
-    let (road, start, extent) = (&script.road, world.motion(script.ego), world.extent(script.ego));
-    let is_curved = !road.axis()?.is_straight();
+    let (start, extent) = (world.motion(script.ego), world.extent(script.ego));
+    let (road, is_curved) = (&script.roads[start.row], !world.is_straight());
     let none = || (Table::new(), None);
     if !start.present || (!is_curved && road.steepest_slope() == 0.0) {
         return Ok(none());
@@ -146,7 +145,7 @@ fn road_of(script: &Script, world: &World) -> Result<(Table, Option<Way>), AxisE
     let line = road.driven(&lane, front_s_m, middle_t_m - lane.center_m, direction);
     let points = road.heights_along(&line)?;
     let lines = road.lane_lines(&line)?;
-    let (axis, begin) = line.axis()?;
+    let way = Way::of(world, &line)?;
     let mut keys = Table::new();
     if !points.is_empty() {
         let points: Vec<_> = points.into_iter().map(|point| point.to_vec()).collect();
@@ -155,30 +154,29 @@ fn road_of(script: &Script, world: &World) -> Result<(Table, Option<Way>), AxisE
     if !is_curved {
         return Ok((keys, None));
     }
-    let part = road.parts.iter().rev().find(|part| part.from_m <= front_s_m);
     let opendrive = OpendriveRoad {
         file: PathBuf::from("the storyboard's road"),
-        road: part.map_or(String::new(), |part| part.id.clone()),
+        road: road.part_at(front_s_m).id.clone(),
         lane: LaneId::try_from(i64::from(lane.id)).unwrap_or(LaneId::of(0)),
         s_m: Distance::try_from(front_s_m).unwrap_or(Distance::of(0.0)),
         line: Some(line),
         of_storyboard: true,
     };
-    let start = Start::of_pose(&begin.placed(&road.start()));
+    let start = Start::of_pose(&way.start.placed(&script.roads[0].start()));
     let lanes = Lanes::beside(road.neighbours(&lane, front_s_m), lane.width_m);
     let lanes = Lanes { along: lines, ..lanes };
     let mut plan = Plan::default();
     (plan.opendrive, plan.start, plan.lanes) = (Some(opendrive), start, lanes);
     let plan = Value::try_from(plan).expect("a plan has a form in TOML");
     keys.insert("plan".to_owned(), plan);
-    Ok((keys, Some(Way { axis: Arc::new(axis), start: begin })))
+    Ok((keys, Some(way)))
 }
 
 /// The first entity whose body lies in the ego's at the start.
 fn overlaps_the_ego(script: &Script, world: &World) -> Option<usize> {
     let (ego, has_place) = (script.ego, |index: &usize| world.motion(*index).present);
     let others = (0..script.entities.len()).filter(|&index| index != ego).filter(has_place);
-    let mut touching = others.filter(|&index| world.extent(index).overlaps(&world.extent(ego)));
+    let mut touching = others.filter(|&index| world.touch(index, ego));
     touching.next().filter(|_| has_place(&ego))
 }
 
@@ -245,7 +243,7 @@ mod tests {
     #[test]
     fn the_end_in_time_is_the_earliest_that_nothing_else_is_asked_for() {
         let mut script = Script {
-            road: openscenario::road::Road::assumed(),
+            roads: vec![openscenario::road::Road::assumed()],
             ego: 0,
             entities: Vec::new(),
             values: Vec::new(),

@@ -72,8 +72,8 @@ impl<'a> Line<'a> {
         Ok(())
     }
 
-    pub fn axis(&self, text: Text<'_>) -> Result<Axis, ReadError> {
-        Axis::laid(&self.pieces).map_err(|error| {
+    pub fn axis(&self, text: Text<'_>, least_radius_m: f64) -> Result<Axis, ReadError> {
+        Axis::laid(&self.pieces, least_radius_m).map_err(|error| {
             let element = self.elements[error.piece.min(self.elements.len() - 1)];
             text.meaning(element, error.to_string(), error.expected())
         })

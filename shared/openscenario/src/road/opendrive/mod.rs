@@ -8,16 +8,17 @@ mod text;
 #[cfg(test)]
 mod tests;
 
+use road::MIN_RADIUS_M;
+
 use super::Road;
 use crate::error::{ReadError, one_of};
+use crate::scene::MOST_LISTED;
 use crate::xml::{Document, Element};
 use geometry::Line;
-use row::{Row, outside_junctions};
+pub(crate) use row::Start;
+use row::{Member, outside_junctions};
 pub use text::Text;
 use text::children;
-
-/// Most roads that an error lists.
-const MOST_LISTED: usize = 8;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
@@ -42,19 +43,16 @@ pub fn read(document: &Document, id: Option<&str>) -> Result<Found, ReadError> {
         roads.iter().copied().filter(|road| outside_junctions(road)).collect();
     let named = |road: &&&Element| id.is_some() && road.attribute("id") == id;
     if let Some(second) = roads.iter().filter(named).nth(1) {
-        return Err(text.element(
-            second,
-            "OpenDRIVE",
-            "has the id of another road",
-            "an id of its own",
-        ));
+        let (fault, expected) = ("has the id of another road", "an id of its own");
+        return Err(text.element(second, "OpenDRIVE", fault, expected));
     }
-    let row = match (id, open.first()) {
-        (Some(id), _) => {
-            let road = roads.iter().find(|road| road.attribute("id") == Some(id));
-            road.map(|road| Row::around(&roads, road))
-        }
-        (None, Some(road)) => Some(Row::around(&roads, road)).filter(|row| row.len() == open.len()),
+    let around =
+        |road: &&Element| row::read(document, Member { road, reversed: false, by: None }, None);
+    let found = match (id, open.first()) {
+        (Some(_), _) => roads.iter().find(|road| named(road)).map(around),
+        (None, Some(road)) => Some(around(road)).filter(|found| {
+            open.len() == 1 || found.as_ref().is_ok_and(|it| it.road.parts.len() == open.len())
+        }),
         (None, None) => {
             let reason = match roads.len() {
                 0 => "this file has no road".to_owned(),
@@ -63,25 +61,21 @@ pub fn read(document: &Document, id: Option<&str>) -> Result<Found, ReadError> {
             return Err(text.meaning(root, reason, "a road outside of junctions"));
         }
     };
-    match row {
-        Some(row) => row.read(text),
-        None => Err(unnamed(text, root, id, if id.is_some() { &roads } else { &open })),
-    }
+    found.unwrap_or_else(|| Err(unnamed(text, root, id, if id.is_some() { &roads } else { &open })))
 }
 
-/// The id of the road outside of junctions that is nearest to a point, m. Roads that cannot be driven do not count.
-pub(crate) fn nearest(document: &Document, x_m: f64, y_m: f64) -> Option<&str> {
+/// The nearest road outside of junctions that can be driven, with the place of a point along and across it, m.
+pub(crate) fn nearest(document: &Document, x_m: f64, y_m: f64) -> Option<(&str, f64, f64)> {
     let text = Text { file: &document.file };
-    let away = |road: &&Element| {
+    let place = |road: &'_ Element| {
         let line = Line::read(text, road).ok()?;
-        let (axis, start) = (line.axis(text).ok()?, line.pieces.first()?.start);
-        let (x_m, y_m) = start.to_local(x_m, y_m);
-        let (s_m, t_m) = axis.nearest(x_m, y_m);
-        Some(libm::hypot(s_m - s_m.clamp(0.0, line.length_m), t_m))
+        let (x_m, y_m) = line.pieces.first()?.start.to_local(x_m, y_m);
+        let (s_m, t_m) = line.axis(text, MIN_RADIUS_M).ok()?.nearest(x_m, y_m);
+        Some((libm::hypot(s_m - s_m.clamp(0.0, line.length_m), t_m), s_m, t_m))
     };
     let roads = children(&document.root, "road").filter(|road| outside_junctions(road));
-    let by_distance = roads.filter_map(|road| Some((away(&road)?, road.attribute("id")?)));
-    by_distance.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id)
+    let places = roads.filter_map(|road| Some((place(road)?, road.attribute("id")?)));
+    places.min_by(|a, b| a.0.0.total_cmp(&b.0.0)).map(|((_, s_m, t_m), id)| (id, s_m, t_m))
 }
 
 /// The error where no road, or no single one, is named.
