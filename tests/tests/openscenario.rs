@@ -154,6 +154,24 @@ fn a_car_arrives_ahead_of_the_ego_and_joins_it() {
     assert!((29.0..31.5).contains(&gap_m), "{gap_m}");
 }
 
+/// A car from the side turns into the ego's road ahead of it, and another one crosses it.
+#[test]
+fn a_car_turns_off_at_a_crossing_into_the_egos_road() {
+    let corner = corner();
+    let summary = lockstep(&corner, "examples/crossing.xosc", &["--out", "a"]);
+    assert_eq!(summary["outcome"], "completed", "{summary}");
+    let gap_m = summary["control"]["min_gap_m"].as_f64().expect("a gap");
+    assert!((5.0..40.0).contains(&gap_m), "{gap_m}");
+    let table = std::fs::read_to_string(corner.path().join("a/trajectory.csv")).expect("written");
+    let rows = system_tests::csv(&table, &["time_s", "lead_speed_mps"]);
+    let last = rows.last().expect("rows");
+    assert!((last[1] - 14.0).abs() < 0.1, "it has sped up on the ego's road: {} m/s", last[1]);
+    let kept = std::fs::read_to_string(corner.path().join("a/scenario.toml")).expect("it is kept");
+    let again = lockstep(&corner, "a/scenario.toml", &["--out", "b"]);
+    assert_eq!(again["messages"], summary["messages"]);
+    assert!(kept.contains("the way leads over the roads `3`, `32`, `2`"), "{kept}");
+}
+
 /// 64 cars beside the ego: the most that a scenario has.
 #[test]
 fn a_file_has_as_many_entities_as_a_scenario_has_actors() {
