@@ -74,14 +74,6 @@ pub(crate) struct Given<'a> {
 }
 
 impl Given<'_> {
-    pub(crate) fn wrong(
-        &self,
-        reason: impl std::fmt::Display,
-        expected: impl Into<String>,
-    ) -> ReadError {
-        self.raw.wrong(reason, expected)
-    }
-
     fn value(&self) -> Result<Value, ReadError> {
         self.raw.resolve(self.node.scope)
     }
@@ -97,7 +89,7 @@ impl Given<'_> {
     /// A number, infinite ones included.
     fn any_number(&self, expected: &str) -> Result<f64, ReadError> {
         let value = self.value()?;
-        let refuse = || self.wrong(format!("`{}` is not a number", value.text()), expected);
+        let refuse = || self.raw.wrong(format!("`{}` is not a number", value.text()), expected);
         value.number().ok_or_else(refuse)
     }
 
@@ -110,11 +102,11 @@ impl Given<'_> {
         let number = self.any_number(expected)?;
         if !(number.abs() <= MAX_NUMBER) {
             let expected = format!("{expected}, from -{MAX_NUMBER:e} to {MAX_NUMBER:e}");
-            return Err(self.wrong(format!("{number} is out of range"), expected));
+            return Err(self.raw.wrong(format!("{number} is out of range"), expected));
         }
         match is_right(number) {
             true => Ok(number),
-            false => Err(self.wrong(format!("{number} is out of range"), expected)),
+            false => Err(self.raw.wrong(format!("{number} is out of range"), expected)),
         }
     }
 
@@ -122,11 +114,11 @@ impl Given<'_> {
     fn whole(&self, expected: &str, least: i32) -> Result<i32, ReadError> {
         let number = self.number(expected, |number| number.abs() <= MAX_WHOLE)?;
         if libm::trunc(number) != number {
-            return Err(self.wrong(format!("{number} is not a whole number"), expected));
+            return Err(self.raw.wrong(format!("{number} is not a whole number"), expected));
         }
         match number as i32 {
             whole if whole >= least => Ok(whole),
-            whole => Err(self.wrong(format!("{whole} is too small"), expected)),
+            whole => Err(self.raw.wrong(format!("{whole} is too small"), expected)),
         }
     }
 
@@ -137,7 +129,7 @@ impl Given<'_> {
             Some((_, meaning)) => Ok(*meaning),
             None => {
                 let known = words.iter().map(|(word, _)| *word);
-                Err(self.wrong(format!("`{text}` is not supported"), meant(&text, known)))
+                Err(self.raw.wrong(format!("`{text}` is not supported"), meant(&text, known)))
             }
         }
     }
@@ -182,7 +174,7 @@ scalars! {
     pub(crate) Bound -> f64: "more than 0, or INF", |given| {
         match given.any_number(&Self::kind())? {
             bound if bound > 0.0 => Ok(bound),
-            bound => Err(given.wrong(format!("{bound} is out of range"), Self::kind())),
+            bound => Err(given.raw.wrong(format!("{bound} is out of range"), Self::kind())),
         }
     };
 
@@ -197,7 +189,7 @@ scalars! {
             Value::Number(number) if number == 0.0 || number == 1.0 => Ok(number == 1.0),
             other => {
                 let reason = format!("`{}` is not a truth value", other.text());
-                Err(given.wrong(reason, Self::kind()))
+                Err(given.raw.wrong(reason, Self::kind()))
             }
         }
     };

@@ -16,7 +16,7 @@ scalars! {
     RoadId -> (Rc<Scenery>, Part): "a road's id", |given| {
         let (id, scene) = (given.text()?, given.node.scene);
         if let Some(expected) = scene.lacks(&id) {
-            return Err(given.wrong(format!("there is no road `{id}`"), expected));
+            return Err(given.raw.wrong(format!("there is no road `{id}`"), expected));
         }
         let scenery = scene.road(Some(&id))?;
         let part = scenery.road.part(&id).unwrap_or(&scenery.road.parts[0]).clone();

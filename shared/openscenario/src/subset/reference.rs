@@ -11,7 +11,7 @@ scalars! {
         let entities = given.node.scene.entities.borrow();
         let names = entities.iter().map(|entity| entity.name.as_str());
         place_of(&name, names).map_err(|Unknown(expected)| {
-            given.wrong(format!("there is no entity `{name}`"), expected)
+            given.raw.wrong(format!("there is no entity `{name}`"), expected)
         })
     };
 
@@ -34,7 +34,7 @@ scalars! {
         }
         let Some(value) = given.node.scope.value(name).cloned() else {
             let names = given.node.scope.iter().map(|(name, _)| name);
-            return Err(given.wrong(format!("`{name}` is not declared"), meant(name, names)));
+            return Err(given.raw.wrong(format!("`{name}` is not declared"), meant(name, names)));
         };
         values.push(Named { name: name.to_owned(), value });
         Ok(values.len() - 1)
@@ -45,7 +45,7 @@ scalars! {
         let name = given.raw.text.trim_start_matches('$');
         let values = given.node.scene.values.borrow();
         place_of(name, values.iter().map(|value| value.name.as_str()))
-            .map_err(|Unknown(expected)| given.wrong(format!("`{name}` is not declared"), expected))
+            .map_err(|Unknown(expected)| given.raw.wrong(format!("`{name}` is not declared"), expected))
     };
 }
 

@@ -88,7 +88,7 @@ scalars! {
                 true => "one in the `TrafficSignals` of the road network".to_owned(),
                 false => names,
             };
-            given.wrong(format!("there is no controller `{name}`"), expected)
+            given.raw.wrong(format!("there is no controller `{name}`"), expected)
         })
     };
 }

@@ -20,12 +20,6 @@ impl World {
         self.grounds = Arc::new(vec![Ground { legs, plane }]);
     }
 
-    /// Way of an entity by the way on the reference line: 1 where it is straight.
-    pub(super) fn stretch(&self, entity: usize) -> f64 {
-        let Motion { row, s_m, t_m, .. } = self.state.movers[entity].motion;
-        self.grounds[row].stretch(s_m, t_m)
-    }
-
     /// The way of an entity to a place ahead of it at its present offset, m; negative to a place behind it.
     pub(super) fn way_to(&self, entity: usize, goal_s_m: f64) -> f64 {
         let motion = &self.state.movers[entity].motion;

@@ -19,23 +19,21 @@ impl World {
     pub(super) fn keep(&mut self, entity: usize, distance: &Distance, from_ns: u64, time_ns: u64) {
         let elapsed_s = seconds(time_ns - from_ns);
         let before = self.state.movers[entity].motion.speed_mps;
-        let stretch = self.stretch(entity);
         let Some(goal) = self.gap_goal(entity, distance) else {
-            self.drive_free(entity, elapsed_s);
+            self.drive(entity, from_ns, time_ns);
             return;
         };
         let other = self.state.movers[distance.entity].motion.speed_mps;
         let Some(limits) = distance.limits else {
-            let mover = &mut self.state.movers[entity];
-            let here = mover.motion.s_m;
-            let way_m = (goal - here) * mover.motion.direction();
-            mover.roll(way_m, stretch, other, rate(before, other, elapsed_s));
-            mover.motion.s_m = goal;
+            let own = self.motion(entity);
+            let way_m = (goal - own.s_m) * own.direction();
+            self.roll(entity, way_m, other, rate(before, other, elapsed_s));
+            self.state.movers[entity].motion.s_m = goal;
             return;
         };
         // The error ahead of the entity, m. The closing speed stays within what the limits can brake.
-        let mover = &mut self.state.movers[entity];
-        let error_m = (goal - mover.motion.s_m) * mover.motion.direction();
+        let own = self.motion(entity);
+        let error_m = (goal - own.s_m) * own.direction();
         let Bounds { acceleration_mps2, deceleration_mps2, .. } = limits;
         let brake = if error_m > 0.0 { deceleration_mps2 } else { acceleration_mps2 };
         let closing = libm::sqrt(2.0 * brake * error_m.abs()).min(APPROACH_PER_S * error_m.abs());
@@ -43,10 +41,10 @@ impl World {
         let (up, down) = (acceleration_mps2 * elapsed_s, deceleration_mps2 * elapsed_s);
         let speed = before + (wanted - before).max(-down).min(up);
         let way_m = 0.5 * (before + speed) * elapsed_s;
-        mover.roll(way_m, stretch, speed, rate(before, speed, elapsed_s));
+        self.roll(entity, way_m, speed, rate(before, speed, elapsed_s));
         let reached = error_m.abs() < REACHED_M && (speed - other).abs() < REACHED_MPS;
         if reached && !distance.continuous {
-            mover.motion.speed_mps = other;
+            self.state.movers[entity].motion.speed_mps = other;
             self.end(entity, Part::Pace);
         }
     }

@@ -112,7 +112,7 @@ impl World {
     pub(super) fn meet(&mut self, entity: usize, meeting: &Meeting, from_ns: u64, time_ns: u64) {
         let elapsed_s = seconds(time_ns - from_ns);
         let Some((way_m, master_m)) = self.ways(entity, meeting) else {
-            self.drive_free(entity, elapsed_s);
+            self.drive(entity, from_ns, time_ns);
             self.end(entity, Part::Pace);
             return;
         };
@@ -153,9 +153,7 @@ impl World {
                 (0.5 * (before + speed_mps) * elapsed_s, speed_mps)
             }
         };
-        let stretch = self.stretch(entity);
-        let mover = &mut self.state.movers[entity];
-        mover.roll(way_m, stretch, speed_mps, rate(before, speed_mps, elapsed_s));
+        self.roll(entity, way_m, speed_mps, rate(before, speed_mps, elapsed_s));
         if self.has_met(entity, meeting) {
             if let Some(final_mps) = final_mps {
                 self.state.movers[entity].motion.speed_mps = final_mps;

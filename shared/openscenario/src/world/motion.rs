@@ -151,9 +151,9 @@ impl World {
         }
     }
 
-    fn drive(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
+    /// Drives by the entity's own pace. Where that depends on another entity, the speed stays.
+    pub(super) fn drive(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
         let elapsed_s = seconds(time_ns - from_ns);
-        let stretch = self.stretch(entity);
         let of = |other: usize| self.state.movers[other].motion.speed_mps;
         let reference = match &self.state.movers[entity].pace {
             Pace::Match { entity: other, factor, offset_mps, .. } => {
@@ -163,7 +163,7 @@ impl World {
             _ => 0.0,
         };
         let reference = reference.clamp(0.0, MAX_SPEED_MPS);
-        let mover = &mut self.state.movers[entity];
+        let mover = &self.state.movers[entity];
         let before = mover.motion.speed_mps;
         let over = mover.pace.is_over(time_ns);
         let (way_m, speed_mps, acceleration) = match &mover.pace {
@@ -185,17 +185,28 @@ impl World {
                 evenly(before, speed, elapsed_s)
             }
         };
-        mover.roll(way_m, stretch, speed_mps, acceleration);
+        self.roll(entity, way_m, speed_mps, acceleration);
         if over {
             self.end(entity, Part::Pace);
         }
     }
 
-    pub(super) fn drive_free(&mut self, entity: usize, elapsed_s: f64) {
-        let stretch = self.stretch(entity);
+    /// Covers a distance along the heading. A timed trajectory moves the entity by itself.
+    pub(super) fn roll(&mut self, entity: usize, way_m: f64, speed_mps: f64, mps2: f64) {
         let mover = &mut self.state.movers[entity];
-        let speed = mover.motion.speed_mps;
-        mover.roll(speed * elapsed_s, stretch, speed, 0.0);
+        if mover.path.as_ref().is_some_and(Path::is_timed) || !mover.motion.present {
+            return;
+        }
+        let motion = &mut mover.motion;
+        if mover.path.is_none() {
+            let stretch = self.grounds[motion.row].stretch(motion.s_m, motion.t_m);
+            motion.s_m += way_m * libm::cos(motion.heading_rad) / stretch;
+            motion.t_m += way_m * libm::sin(motion.heading_rad);
+        }
+        motion.speed_mps = speed_mps;
+        motion.acceleration_mps2 = mps2;
+        motion.lateral_mps = 0.0;
+        mover.odometer_m += way_m.abs();
     }
 
     /// Moves a vehicle across with its lane, or with the lane that it changes to.
@@ -304,32 +315,6 @@ impl World {
         ] {
             *since = if motion.present && holds { since.or(Some(time_ns)) } else { None };
         }
-    }
-}
-
-impl Mover {
-    /// Covers a distance along the heading, of which `stretch` is the part for each metre of the axis. A timed trajectory
-    /// moves the entity by itself.
-    pub(super) fn roll(
-        &mut self,
-        way_m: f64,
-        stretch: f64,
-        speed_mps: f64,
-        acceleration_mps2: f64,
-    ) {
-        if self.path.as_ref().is_some_and(Path::is_timed) || !self.motion.present {
-            return;
-        }
-        let motion = &mut self.motion;
-        let heading = motion.heading_rad;
-        if self.path.is_none() {
-            motion.s_m += way_m * libm::cos(heading) / stretch;
-            motion.t_m += way_m * libm::sin(heading);
-        }
-        motion.speed_mps = speed_mps;
-        motion.acceleration_mps2 = acceleration_mps2;
-        motion.lateral_mps = 0.0;
-        self.odometer_m += way_m.abs();
     }
 }
 

@@ -56,19 +56,33 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        match runtime.clock().mode {
-            Mode::Realtime => Self::in_thread(runtime.figures(), name, delay_ns, work),
-            Mode::Lockstep => Self::inline(runtime.figures(), delay_ns, work),
-        }
+        Self::new(runtime.clock().mode, runtime.figures(), name, delay_ns, work)
     }
 
-    fn new(figures: &Figures, delay_ns: i64) -> Result<Self, RuntimeError> {
+    fn new(
+        mode: Mode,
+        figures: &Figures,
+        name: &str,
+        delay_ns: i64,
+        work: impl FnMut(&Q) -> A + Send + 'static,
+    ) -> Result<Self, RuntimeError> {
         let (question, answer) = (Mutex::new(None), Mutex::new(None));
         let (asked, closed) = (Condvar::new(), AtomicBool::new(false));
+        let shared = Arc::new(Shared { question, asked, answer, closed });
+        let (mut thread, mut inline): (_, Option<Work<Q, A>>) = (None, None);
+        match mode {
+            Mode::Realtime => {
+                let theirs = Arc::clone(&shared);
+                let begun = std::thread::Builder::new().name(name.into());
+                let begun = begun.spawn(move || theirs.serve(work));
+                thread = Some(begun.map_err(RuntimeError::setup(format!("thread {name}")))?);
+            }
+            Mode::Lockstep => inline = Some(Box::new(work)),
+        }
         Ok(Self {
-            shared: Arc::new(Shared { question, asked, answer, closed }),
-            thread: None,
-            inline: None,
+            shared,
+            thread,
+            inline,
             delay_ns,
             due_ns: None,
             counted_late: false,
@@ -76,30 +90,6 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
             late: figures.count("late_plans")?,
             worked: figures.latencies("plan")?,
         })
-    }
-
-    fn inline(
-        figures: &Figures,
-        delay_ns: i64,
-        work: impl FnMut(&Q) -> A + 'static,
-    ) -> Result<Self, RuntimeError> {
-        let mut this = Self::new(figures, delay_ns)?;
-        this.inline = Some(Box::new(work));
-        Ok(this)
-    }
-
-    fn in_thread(
-        figures: &Figures,
-        name: &str,
-        delay_ns: i64,
-        work: impl FnMut(&Q) -> A + Send + 'static,
-    ) -> Result<Self, RuntimeError> {
-        let mut this = Self::new(figures, delay_ns)?;
-        let theirs = Arc::clone(&this.shared);
-        let thread = std::thread::Builder::new().name(name.into());
-        let thread = thread.spawn(move || theirs.serve(work));
-        this.thread = Some(thread.map_err(RuntimeError::setup(format!("thread {name}")))?);
-        Ok(this)
     }
 
     pub fn is_busy(&self) -> bool {
@@ -206,6 +196,13 @@ mod tests {
 
     const DELAY_NS: i64 = 200;
 
+    fn worker(
+        mode: Mode,
+        work: impl FnMut(&u32) -> u32 + Send + 'static,
+    ) -> BackgroundWorker<u32, u32> {
+        BackgroundWorker::new(mode, &Figures::default(), "work", DELAY_NS, work).expect("a thread")
+    }
+
     fn release(scheduled_ns: i64) -> Release {
         Release {
             step: 0,
@@ -222,8 +219,7 @@ mod tests {
             std::thread::sleep(Duration::from_millis(5));
             2 * x
         };
-        let mut worker =
-            BackgroundWorker::inline(&Figures::default(), DELAY_NS, slow).expect("room");
+        let mut worker = worker(Mode::Lockstep, slow);
         let mut heard = Vec::new();
         for cycle in 0..6 {
             let release = release(100 * cycle);
@@ -245,9 +241,7 @@ mod tests {
             let _ = wait.recv();
             *x
         };
-        let figures = Figures::default();
-        let worker = BackgroundWorker::in_thread(&figures, "slow", DELAY_NS, work);
-        let mut worker = worker.expect("a thread");
+        let mut worker = worker(Mode::Realtime, work);
         // The thread may just be looking for a question.
         while worker.ask(&release(0), 7).is_err() {}
         assert_eq!(worker.ask(&release(0), 8), Err(8), "one question at a time");
@@ -264,11 +258,7 @@ mod tests {
 
     #[test]
     fn a_thread_that_died_is_not_waited_for() {
-        let mut worker =
-            BackgroundWorker::in_thread(&Figures::default(), "dies", DELAY_NS, |x: &u32| {
-                1 / (*x - *x)
-            })
-            .expect("a thread");
+        let mut worker = worker(Mode::Realtime, |x: &u32| 1 / (*x - *x));
         while worker.ask(&release(0), 7).is_err() {}
         assert_eq!(worker.answer(&release(200)), None);
     }
