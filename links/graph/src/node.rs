@@ -261,7 +261,7 @@ impl<'a> Process<'a> {
         } else {
             spin_for(self.of.load_ns());
         }
-        if self.of.standby && !epoch::may_send(self.page.epoch(self.node), self.incarnation) {
+        if self.of.standby && !epoch::is_present(self.page.epoch(self.node), self.incarnation) {
             return Err(RuntimeError::Replaced.into());
         }
         let mut outputs = self.outputs.iter_mut();

@@ -145,7 +145,7 @@ impl Input {
         self.port.take(|_, bytes| {
             let is_current = |header: &Header| {
                 let word = self.fenced.map(|node| page.epoch(node));
-                word.is_none_or(|word| epoch::is_accepted(word, header.incarnation))
+                word.is_none_or(|word| epoch::is_present(word, header.incarnation))
             };
             let Some(header) = layout.read(bytes).filter(is_current) else {
                 self.refused.add(1);

@@ -90,17 +90,23 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         if let Some(detections) = detections {
             output.send(detections, acquired, &perception)?;
         }
-        let ended = perception.is_over();
+        let (vehicles, ended) = (perception.vehicles(), perception.is_over());
         // A reader with the first message of the vehicles has both.
         if let Some(more) = &mut more {
-            more.send_with(|message| write_more(message, header, perception.vehicles()))?;
+            more.send_with(|message| {
+                message.header = header;
+                message.count = write_vehicles(&mut message.vehicles, vehicles, MAX_TRACKS);
+            })?;
         }
-        truth.send_with(|message| write_truth(message, header, perception.vehicles(), ended))?;
+        truth.send_with(|message| {
+            (message.header, message.ended) = (header, ended.into());
+            message.count = write_vehicles(&mut message.vehicles, vehicles, 0);
+        })?;
         if let Some(plane) = &mut plane {
             plane.send(acquired, perception.road_ahead())?;
         }
         if let Some(poses) = &mut poses {
-            poses.send(header, perception.vehicles())?;
+            poses.send(header, vehicles)?;
         }
         if let Some(sumo) = &mut sumo {
             sumo.send(header, ego.position_m)?;
@@ -183,17 +189,6 @@ fn told_at(odometry: Option<&Odometry>, start: Ego, release: &Release) -> Option
     }
     let (position_m, speed_mps) = odometry.moved_to(release.time_s);
     Some(Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 })
-}
-
-fn write_truth(message: &mut VehicleTruth, header: Header, vehicles: &[Vehicle], ended: bool) {
-    message.header = header;
-    message.ended = ended.into();
-    message.count = write_vehicles(&mut message.vehicles, vehicles, 0);
-}
-
-fn write_more(message: &mut MoreVehicles, header: Header, vehicles: &[Vehicle]) {
-    message.header = header;
-    message.count = write_vehicles(&mut message.vehicles, vehicles, MAX_TRACKS);
 }
 
 /// Writes the vehicles that are present, but for the first `skipped`; returns how many.

@@ -36,7 +36,7 @@ impl Ego {
                 let heights = (!scenario.road.is_level()).then(|| scenario.road.profile());
                 let heights = heights.transpose()?;
                 if let Some(heights) = &heights {
-                    car.begin_on(heights);
+                    car.take_slope(heights);
                 }
                 Self::Car(car, heights)
             }

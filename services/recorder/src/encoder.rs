@@ -25,7 +25,6 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// The encoder of a run.
     pub fn of(metadata: &Metadata) -> Self {
         Self { epoch_ns: metadata.epoch_ns, payload: Vec::new(), scene: Scene::of(metadata) }
     }

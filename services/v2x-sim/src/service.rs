@@ -32,10 +32,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut preview = Previews::open(&mut runtime, &scenario)?;
     let mut bends = Bends::open(&mut runtime, &scenario)?;
     // Another simulator has the lights.
-    let mut lights = match scenario.traffic.route.is_some() {
-        true => Some(runtime.subscriber::<Lights>()?),
-        false => None,
-    };
+    let lights = scenario.traffic.route.as_ref().map(|_| runtime.subscriber::<Lights>());
+    let mut lights = lights.transpose()?;
     runtime.begin(&scenario)?;
     voice.begin(&runtime);
     runtime.run_cycles(|runtime| {
@@ -158,15 +156,9 @@ impl Voice {
                     (message.signals, message.count) = (received.signals, received.count);
                 })?;
                 let Some((motions, lights)) = motions.as_mut().zip(lights) else { return Ok(()) };
-                motions.send_with(|message| {
-                    message.header = header;
-                    let heard = |motion: &&_| is_audible(motion, ego_m, unit.range_m);
-                    let heard = lights.motions.iter().filter(heard);
-                    for (place, motion) in message.motions.iter_mut().zip(heard) {
-                        *place = *motion;
-                        message.count += 1;
-                    }
-                })?;
+                let heard = |motion: &&_| is_audible(motion, ego_m, unit.range_m);
+                let heard = lights.motions.iter().filter(heard);
+                motions.send_with(|message| message.fill(header, heard))?;
                 Ok(())
             }
             Self::Frames(radio) => radio.send(header, time_ns, ego_m, lights),

@@ -65,7 +65,6 @@ impl From<crate::mcap::Malformed> for BagError {
     }
 }
 
-/// Most names that an error lists.
 const MOST_LISTED: usize = 30;
 
 /// Names of which one was expected.

@@ -25,11 +25,8 @@ pub enum Message {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MessageKind {
-    /// [`Message::Spatem`].
     Spatem,
-    /// [`Message::Mapem`].
     Mapem,
-    /// [`Message::Cam`].
     Cam,
 }
 

@@ -41,7 +41,6 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// The stamp of a time.
     pub fn of(utc: UnixMs) -> Self {
         let into_year = utc - year_start(year_of(utc));
         let minute = into_year.div_euclid(MINUTE_MS);

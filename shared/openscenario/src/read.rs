@@ -15,7 +15,6 @@ use crate::subset::ScenarioFile;
 use crate::world::NotFound;
 use crate::xml::{self, Document};
 
-/// A scenario as it was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     pub script: Script,

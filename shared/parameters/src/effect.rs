@@ -68,7 +68,6 @@ impl Figure {
         Self { name: Cow::Borrowed(name), unit, change: Change::Percent(counts) }
     }
 
-    /// The figure with a value.
     pub fn text(&self, value: f64) -> String {
         format!("{}: {value:.3} {}", self.name, self.unit).trim_end().to_owned()
     }

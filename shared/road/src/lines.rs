@@ -29,7 +29,6 @@ pub struct LaneLines {
 }
 
 impl LaneLines {
-    /// The lines at these stations.
     pub fn new(stations: Vec<Vec<f64>>) -> Self {
         Self { stations }
     }

@@ -149,7 +149,6 @@ impl Piece {
         }
     }
 
-    /// Checks its numbers.
     pub(crate) fn check(&self, piece: usize) -> Result<(), AxisError> {
         let length_m = self.length_m();
         let finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());

@@ -185,7 +185,6 @@ fn is_word(default: &Expr, word: &str) -> bool {
     matches!(default, Expr::Path(path) if path.path.is_ident(word))
 }
 
-/// True for `Option<...>`.
 fn is_option(of: &Type) -> bool {
     let Type::Path(path) = of else { return false };
     path.path.segments.last().is_some_and(|segment| segment.ident == "Option")

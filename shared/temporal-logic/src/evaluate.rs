@@ -169,7 +169,6 @@ fn larger(a: Margin, b: Margin) -> Margin {
     smaller(a.negative(), b.negative()).negative()
 }
 
-/// The margins of the contrary.
 fn negative(margins: &[Margin]) -> Vec<Margin> {
     margins.iter().map(|margin| margin.negative()).collect()
 }

@@ -35,7 +35,6 @@ impl Unit {
         }
     }
 
-    /// The unit of a product.
     pub(crate) fn times(self, other: Self) -> Self {
         match (self, other) {
             (Self::Powers { metre: a, second: b }, Self::Powers { metre: c, second: d }) => {

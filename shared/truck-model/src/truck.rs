@@ -53,7 +53,6 @@ impl Truck {
         }
     }
 
-    /// Returns a shipped truck.
     pub fn preset(preset: Preset) -> Self {
         Self::new(preset.parameters())
     }

@@ -178,7 +178,6 @@ fn turned(ego: &PlaneEgo, place: Place, vehicle: &Vehicle) -> Standing {
 }
 
 impl Scene {
-    /// The scene of some vehicles.
     pub fn new(time_ns: i64, ego: Ego, vehicles: &[Vehicle]) -> Self {
         Self { time_ns, ego, told: Some(ego), vehicles: vehicles.to_vec(), plane: None }
     }

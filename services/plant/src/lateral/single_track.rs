@@ -41,7 +41,6 @@ pub struct Slip {
 }
 
 impl SingleTrack {
-    /// The track of a vehicle of this mass.
     pub fn new(keys: &Keys, mass_kg: f64) -> Self {
         let wheelbase_m = keys.wheelbase_m.value();
         let front_m = keys.cg_share.value() * wheelbase_m;

@@ -37,7 +37,7 @@ fn a_level_road_changes_no_bit() {
 fn a_change_of_grade_acts_at_once_and_fades_with_the_lag() {
     let road = road(&[(0.0, 0.0), (100.0, 0.0), (600.0, 25.0)]);
     let mut car = car("initial_speed_mps = 20");
-    car.begin_on(&road);
+    car.take_slope(&road);
     let mut lowest = 0.0_f64;
     let mut slowest_mps = 20.0_f64;
     while car.state().position_m < 400.0 {
@@ -57,7 +57,7 @@ fn gravity_takes_from_brakes_and_power() {
     let braked = |percent: f64| {
         let road = slope(percent);
         let mut car = car("initial_speed_mps = 30");
-        car.begin_on(&road);
+        car.take_slope(&road);
         for _ in 0..200 {
             car.step_on(-20.0, None, Some(&road));
         }
@@ -71,7 +71,7 @@ fn gravity_takes_from_brakes_and_power() {
         let road = road(&[(0.0, 0.0), (500.0, 5.0 * percent), (1000.0, 10.0 * percent)]);
         let mut car =
             car("initial_speed_mps = 20\npowertrain = { mass_kg = 2000, max_power_kw = 40 }");
-        car.begin_on(&road);
+        car.take_slope(&road);
         while car.state().position_m < 900.0 {
             car.step_on(3.0, None, Some(&road));
         }
@@ -86,7 +86,7 @@ fn a_car_stands_on_any_grade_and_starts_again() {
     for percent in [-12.0, -3.0, 0.0, 3.0, 12.0] {
         let road = slope(percent);
         let mut car = car("initial_speed_mps = 15");
-        car.begin_on(&road);
+        car.take_slope(&road);
         for _ in 0..1500 {
             car.step_on(-3.0, None, Some(&road));
         }

@@ -155,19 +155,15 @@ impl Vehicle {
         }
     }
 
-    /// Takes the slope under the car; returns by how much it has grown, m/s². A standing car is held.
-    fn take_slope(&mut self, road: &GradeProfile) -> f64 {
+    /// Takes the slope under the car; returns by how much it has grown, m/s². A standing car is held. At the start of a
+    /// drive, brakes and driveline are then in balance with the grade.
+    pub fn take_slope(&mut self, road: &GradeProfile) -> f64 {
         let front_m = self.state.position_m;
         let grade = road.mean_grade(front_m - self.length_m, front_m);
         let slope_mps2 = GRAVITY_MPS2 * grade / libm::sqrt(1.0 + grade * grade);
         let grown = slope_mps2 - self.slope_mps2;
         self.slope_mps2 = slope_mps2;
         if self.state.speed_mps > 0.0 { grown } else { 0.0 }
-    }
-
-    /// Begins on a road with heights, with brakes and driveline in balance with its grade.
-    pub fn begin_on(&mut self, road: &GradeProfile) {
-        self.take_slope(road);
     }
 
     pub fn place(&mut self, position_m: f64) {

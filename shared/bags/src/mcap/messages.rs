@@ -26,7 +26,6 @@ pub(crate) struct Connection<'a> {
 pub(crate) trait Sink {
     /// A topic; the same one may come again.
     fn connection(&mut self, connection: Connection<'_>);
-    /// A message of connection `id`.
     fn message(&mut self, id: u16, log_time_ns: u64, payload: &[u8]) -> Result<(), BagError>;
 }
 

@@ -154,7 +154,6 @@ impl Config {
     }
 }
 
-/// The table of the road formulation.
 pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
 
 law::settings! {

@@ -86,7 +86,6 @@ impl Design {
         &self.content.parameters
     }
 
-    /// Gains of each rule.
     pub fn rules(&self) -> &[Gains; RULES] {
         &self.content.rules
     }

@@ -171,7 +171,6 @@ impl QuadraticBounded {
         [self.design.lyapunov(z), after_reset]
     }
 
-    /// One sample of the fall-back.
     fn fall_back(&mut self, input: &Input, excess: f64) {
         let p = self.design.parameters();
         let Input { ego: Ego { speed_mps, acceleration_mps2, .. }, set_speed_mps, .. } = *input;

@@ -129,7 +129,6 @@ mod tests {
     }
 
     impl Region {
-        /// The region of a part.
         const fn of_part(part: usize) -> Self {
             match part {
                 0 | 1 => Self::Metastable,

@@ -10,7 +10,6 @@ pub(crate) trait Choice {
     const ALTERNATIVES: &'static [(&'static str, &'static Form)];
     type Value;
 
-    /// Reads a node that has one of the names.
     fn read_chosen(node: Node<'_>) -> Result<Self::Value, ReadError>;
 }
 

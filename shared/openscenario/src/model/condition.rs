@@ -31,7 +31,6 @@ word_enums! {
         Rising: "rising",
         /// From true to false.
         Falling: "falling",
-        /// Either.
         RisingOrFalling: "risingOrFalling",
     }
 
@@ -64,7 +63,6 @@ pub enum Test {
         kind: ElementKind,
         /// Its name, or its path with `::`.
         name: String,
-        /// The state or transition.
         state: ElementState,
     },
     /// A test of entities.
@@ -77,7 +75,6 @@ pub enum Test {
     },
 }
 
-/// A test of one entity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EntityTest {
@@ -97,7 +94,6 @@ pub enum EntityTest {
     Speed { rule: Rule, value: f64 },
     /// Own speed minus another's, m/s.
     RelativeSpeed { entity: usize, rule: Rule, value: f64 },
-    /// Near a position.
     ReachPosition {
         position: Position,
         /// Largest distance to it, m.

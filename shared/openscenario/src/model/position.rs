@@ -22,8 +22,10 @@ pub enum From {
         /// Across it, positive to the left, m.
         t_m: f64,
     },
-    /// Seen from an entity.
-    Entity { entity: usize, offset: Offset },
+    Entity {
+        entity: usize,
+        offset: Offset,
+    },
 }
 
 /// A place seen from an entity.
@@ -56,7 +58,6 @@ impl Position {
     }
 }
 
-/// A heading.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Heading {

@@ -148,7 +148,6 @@ impl Road {
         Some((s_m, t_m, here.reversed != part.reversed))
     }
 
-    /// The part at a place.
     pub fn part_at(&self, s_m: f64) -> &Part {
         self.parts.iter().rev().find(|part| part.from_m <= s_m).unwrap_or(&self.parts[0])
     }

@@ -14,7 +14,6 @@ use crate::scene::Spots;
 const MAX_EXTENT_M: f64 = 100.0;
 
 scalars! {
-    /// An extent of a body.
     Extent -> f64: format!("more than 0 and at most {MAX_EXTENT_M}; or 0 for both: unknown"),
         |given| given.number(&Self::kind(), |metres| (0.0..=MAX_EXTENT_M).contains(&metres));
 }

@@ -165,7 +165,6 @@ fn not_empty(node: Node<'_>, start: Option<Trigger>) -> Option<Trigger> {
     })
 }
 
-/// Checks an action of the actors of a group.
 fn check_of_actors(node: Node<'_>, action: &action::Action) -> Result<(), ReadError> {
     let (scene, actors) = (node.scene, node.scene.actors.borrow());
     if actors.is_empty() {

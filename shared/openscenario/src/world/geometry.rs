@@ -48,7 +48,6 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The extent of a body in motion.
     pub fn of(body: &Body, motion: &Motion) -> Self {
         let s = Interval::of(body, motion, 0.0);
         let t = Interval::of(body, motion, std::f64::consts::FRAC_PI_2);

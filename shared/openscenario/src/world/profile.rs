@@ -38,7 +38,6 @@ struct Piece {
 }
 
 impl Profile {
-    /// The profile from a speed on.
     pub(super) fn of(profile: &SpeedProfile, from_mps: f64, start_ns: u64) -> Self {
         let is_relative = profile.relative_to.is_some();
         let most_mps = profile.bounds.speed_mps.min(MAX_SPEED_MPS);

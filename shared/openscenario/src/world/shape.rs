@@ -56,7 +56,6 @@ impl Shape {
         }
     }
 
-    /// The largest derivative.
     pub(super) fn largest_rate(self) -> f64 {
         match self {
             Self::Linear => 1.0,
@@ -124,7 +123,6 @@ impl SpeedShape {
     }
 }
 
-/// A time in s.
 pub(super) fn seconds(time_ns: u64) -> f64 {
     time_ns as f64 * 1e-9
 }

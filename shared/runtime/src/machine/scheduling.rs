@@ -82,7 +82,6 @@ pub struct Granted {
     pub granted: String,
     /// Core that the loop is pinned to; `None` if it may run on all.
     pub core: Option<usize>,
-    /// True if all memory is locked.
     pub memory_locked: bool,
     /// Requests that were not granted, each with the kernel's reason: `what: why`.
     pub refused: Vec<String>,

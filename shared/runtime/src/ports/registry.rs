@@ -59,7 +59,6 @@ impl Ports {
         self.backlogs.iter().try_for_each(|backlog| backlog.send_held(step))
     }
 
-    /// Counts all that is received from zero.
     pub(crate) fn count_received_anew(&self) {
         for end in &self.receivers {
             *end.tally.borrow_mut() = Tally::default();

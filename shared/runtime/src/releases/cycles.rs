@@ -82,7 +82,6 @@ impl Cycles {
         u64::try_from(self.clock.now_ns() / self.timetable.step_ns).unwrap_or(0)
     }
 
-    /// True if `step` is of the present period of the service.
     pub(crate) fn is_of_present_period(&self, step: u64) -> bool {
         step >= self.timetable.latest_release(self.service, self.present_step())
     }

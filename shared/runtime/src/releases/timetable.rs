@@ -48,7 +48,6 @@ impl Timetable {
         self.strides[service.index()]
     }
 
-    /// True if `service` is released in `step`.
     pub fn is_due(&self, service: Service, step: u64) -> bool {
         step.is_multiple_of(self.stride(service))
     }

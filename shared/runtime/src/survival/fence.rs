@@ -41,14 +41,9 @@ impl Word for AtomicU32 {
     }
 }
 
-/// True if the process of epoch `own` may send.
-pub fn may_send(word: &impl Word, own: u32) -> bool {
-    word.load() == own
-}
-
-/// True if a message of epoch `sender`, which has arrived, may be used.
-pub fn is_accepted(word: &impl Word, sender: u32) -> bool {
-    word.load() == sender
+/// True if the process of this epoch may send, and if a message of it, which has arrived, may be used.
+pub fn is_present(word: &impl Word, epoch: u32) -> bool {
+    word.load() == epoch
 }
 
 /// Takes the service over from the process of epoch `active`; false if it is not the active one any more.
@@ -83,7 +78,7 @@ impl Peers {
     /// True if a message of incarnation `incarnation` of the service with this number may be used.
     pub(crate) fn accept(&self, source: u32, incarnation: u32) -> bool {
         let word = Service::by_number(source).and_then(|service| self.epoch(service));
-        word.is_none_or(|word| is_accepted(word, incarnation))
+        word.is_none_or(|word| is_present(word, incarnation))
     }
 }
 
@@ -137,7 +132,7 @@ impl Gate {
             return Passage::Held;
         }
         match self.word() {
-            Some(word) if !may_send(word, self.incarnation) => Passage::Shut,
+            Some(word) if !is_present(word, self.incarnation) => Passage::Shut,
             _ => Passage::Open,
         }
     }
@@ -171,7 +166,7 @@ mod interleavings {
     /// Sends as long as it may; it can be stopped for any time between the look and the message.
     fn send(world: &World, own: u32, messages: u32) {
         for _ in 0..messages {
-            if !may_send(&world.word, own) {
+            if !is_present(&world.word, own) {
                 return;
             }
             world.on_their_way.lock().expect("no panic").push(own);
@@ -181,7 +176,7 @@ mod interleavings {
     /// Takes the messages that have come, some of which may be used.
     fn receive(world: &World, used: &mut Vec<u32>) {
         let come = std::mem::take(&mut *world.on_their_way.lock().expect("no panic"));
-        used.extend(come.into_iter().filter(|&sender| is_accepted(&world.word, sender)));
+        used.extend(come.into_iter().filter(|&sender| is_present(&world.word, sender)));
     }
 
     #[test]
@@ -313,7 +308,7 @@ pub(super) mod tests {
         let word = AtomicU32::new(0);
         assert!(take_over(&word, 0, 3) && !take_over(&word, 0, 4) && !take_over(&word, 3, 3));
         assert!(!claim(&word, 2) && claim(&word, 3) && claim(&word, 4));
-        assert!(!may_send(&word, 3) && may_send(&word, 4));
+        assert!(!is_present(&word, 3) && is_present(&word, 4));
     }
 
     #[test]

@@ -21,7 +21,6 @@ macro_rules! per_service {
         }
 
         impl<T> PerService<T> {
-            /// The value for `service`.
             pub const fn of(&self, service: Service) -> &T {
                 match service {
                     $(Service::$service => &self.$krate,)+

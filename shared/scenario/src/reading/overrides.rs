@@ -84,7 +84,6 @@ impl Override {
         self.path().iter().zip(above).all(|(name, step)| name == step).then_some(below)
     }
 
-    /// True if it sets the value at a path.
     pub(super) fn sets(&self, path: &[&str]) -> bool {
         let follow = |value, step: &&str| child(value, step);
         self.below(path)

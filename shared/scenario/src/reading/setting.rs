@@ -60,7 +60,6 @@ impl Setting {
         Self { path: path.collect(), value: value.into(), typed: None }
     }
 
-    /// The faults of a scenario.
     pub fn faults(faults: &[Fault]) -> Self {
         let value = |fault| Value::try_from(fault).expect("a fault has a form in TOML");
         Self::new("faults", faults.iter().map(value).collect::<Vec<_>>())

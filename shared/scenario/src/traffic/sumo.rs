@@ -155,7 +155,6 @@ fn lanes(along: LaneLines) -> Lanes {
     Lanes { along, ..Lanes::beside(beside, width_m) }
 }
 
-/// A place for a vehicle.
 fn place(number: usize) -> Actor {
     let name = format!("sumo-{number}");
     let keys = table! { name: name, gap_m: 0, initial_speed_mps: 0, profile: "sumo" };

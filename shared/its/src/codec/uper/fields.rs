@@ -13,7 +13,6 @@ pub(in crate::codec) struct Number {
 }
 
 impl Number {
-    /// Numbers from `least` to `most`.
     pub(in crate::codec) const fn new(what: &'static str, least: i64, most: i64) -> Self {
         Self { what, least, most }
     }

@@ -82,7 +82,6 @@ pub(in crate::codec) trait Skip: Fields {
 impl<F: Fields> Skip for F {}
 
 impl Part {
-    /// A number from `least` to `most`.
     pub(in crate::codec) const fn whole(what: &'static str, least: i64, most: i64) -> Self {
         Self::Whole(Number::new(what, least, most))
     }

@@ -45,7 +45,6 @@ pub(super) struct Pass {
 }
 
 impl Gate {
-    /// The crossing that is allowed.
     fn crossing(&self) -> Option<Crossing> {
         let line_m = self.distance_m + LINE_MARGIN_M;
         self.pass.map(|Pass { red_in_s, most_mps }| Crossing { line_m, red_in_s, most_mps })
@@ -59,7 +58,6 @@ pub(super) struct Filter {
 }
 
 impl Filter {
-    /// A filter for a control period of `period_s`.
     pub(super) fn new(config: &Config, period_s: f64) -> Self {
         let safe = safe_gap(config, period_s.max(SHORTEST_PERIOD_S));
         Self { max_mps2: config.max_request_mps2, safe }

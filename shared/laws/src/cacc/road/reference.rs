@@ -81,7 +81,6 @@ impl Reference {
         hardest_mps2: 0.0,
     };
 
-    /// Rolls the driver out from `start`.
     pub(super) fn roll_out(&mut self, scene: &Scene<'_>, start: Motion, nearest: Gate) {
         self.hardest_mps2 = 0.0;
         self.motion[0] = start;

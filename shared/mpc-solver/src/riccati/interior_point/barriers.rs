@@ -130,7 +130,6 @@ impl Barriers {
         }
     }
 
-    /// Copies the multipliers to `multipliers`.
     pub(super) fn read(&self, multipliers: &mut Multipliers) {
         for (out, bound) in multipliers.rows.iter_mut().zip(&self.bounds[..self.rows]) {
             bound.multipliers().for_each(|(k, mu)| out[k] = mu);

@@ -13,7 +13,6 @@ use crate::problem::{Problem, Terminal};
 use crate::riccati::lanes::{Lanes, Row, WIDTH};
 use crate::riccati::matrix::product;
 
-/// Source of the models.
 pub(in crate::riccati) trait BlockModels {
     /// True for the trajectory itself. It has disturbances and held inputs, and a sweep can be resumed. A change of the
     /// trajectory has neither.

@@ -58,7 +58,6 @@ impl Cost {
         Self { quadratic: Default::default(), linear, last_block: 0 }
     }
 
-    /// Copies a problem's cost.
     pub(in crate::riccati) fn start(&mut self, problem: &Problem) {
         let n = problem.horizon;
         let upper = |m: &[[f64; 3]; 3]| [m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]];

@@ -45,7 +45,6 @@ struct Links {
     after: Vec<Link>,
 }
 
-/// Reads the lanes of a road of `length_m`.
 pub fn read(text: Text<'_>, road: &Element, length_m: f64) -> Result<Side, ReadError> {
     let Some(group) = road.child("lanes") else {
         return Err(text.element(road, "OpenDRIVE", "has no lanes", "`lanes`"));

@@ -28,7 +28,6 @@ tables! {
 }
 
 impl OpendriveRoad {
-    /// Reads the lane from the file's text.
     pub(crate) fn read(&self, path: &Path, text: &str) -> Result<DrivenLane, Problem> {
         let place = self.s_m.value();
         driven_lane(path, text, &self.road, self.lane.value(), place).map_err(|error| {
