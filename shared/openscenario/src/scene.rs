@@ -11,7 +11,7 @@ use crate::library::Source;
 use crate::model::position::{From, Heading, Position};
 use crate::model::timed::SignalCycle;
 use crate::model::{Entity, InitAction, Named};
-use crate::road::{self, Found, Ground, Road, Start};
+use crate::road::{self, Found, Ground, INSIDE_M, Road, Start};
 use crate::xml::{self, Document};
 
 /// Most roads that an error lists.
@@ -236,6 +236,28 @@ impl<'a> Scene<'a> {
             heading => heading,
         };
         Ok(Position { from: From::Road { row: scenery.row, s_m, t_m }, heading })
+    }
+
+    /// Adds the rows of the lanes that leave the rows at their junctions: a change of lane may lead to them.
+    pub(crate) fn add_exits(&self, place: &Place) -> Result<(), ReadError> {
+        let Some(document) = self.road_file.get() else { return Ok(()) };
+        for road in self.roads() {
+            for cut in road.cuts.iter().skip(1) {
+                let (s_m, part) = (cut.from_m - INSIDE_M, road.part_at(cut.from_m - INSIDE_M));
+                let ahead = road.lanes.strips(s_m).filter(|lane| road.direction(lane) > 0.0);
+                let leaves = ahead.filter(|lane| !road.leads_on(s_m, lane.center_m, 1.0));
+                for lane in leaves.filter(|lane| lane.drivable) {
+                    let (at, reversed) = (part.own(s_m, lane.center_m), part.reversed);
+                    let found =
+                        document.along(&Start { road: &part.id, at, reversed }, &[], place)?;
+                    let is_known = self.roads().iter().any(|road| road.parts == found.road.parts);
+                    if !found.road.cuts.is_empty() && !is_known {
+                        self.add(found);
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The roads of the file, if it has no road with this id.

@@ -86,6 +86,44 @@ fn a_route_turns_off_and_a_line_may_begin_beside_the_one_before() {
 }
 
 #[test]
+fn a_change_of_lane_before_a_junction_leads_to_the_way_of_the_new_lane() {
+    let files = vec![("dir/road.xodr".to_owned(), crossing::exit())];
+    let driven = |from: i32, to: i32| {
+        let init = private("Lead", &[&on("0", from, 60.0), &cruise()]);
+        let target = format!("<AbsoluteTargetLane value=\"{to}\"/>");
+        let change = lane_change("sinusoidal", "time", 2.0, &target);
+        let stories = story(&[event("E", "override", &[&change], &trigger(&[&at(1.0)]))]);
+        Parts { init, stories, files: files.clone(), ..Parts::default() }.run()
+    };
+    let mut leaves = driven(-1, -2);
+    is_at(leaves.to(2.0), "Lead", "0", 100.0, -4.0);
+    is_at(leaves.to(3.0), "Lead", "0", 120.0, -6.0);
+    // At 7 s it leaves the road. Its lane is 0.96 as long as the line of the arc.
+    is_at(leaves.to(10.0), "Lead", "3", 40.8, -2.0);
+    is_at(driven(-2, -1).to(10.0), "Lead", "2", 40.0, -2.0);
+    is_at(driven(-2, -2).to(10.0), "Lead", "3", 40.8, -2.0);
+}
+
+#[test]
+fn the_drive_ends_where_the_egos_lane_ends() {
+    let lane = |id: i32| {
+        format!("<lane id=\"{id}\"><width sOffset=\"0\" a=\"4\" b=\"0\" c=\"0\" d=\"0\"/></lane>")
+    };
+    let net = format!(
+        "<OpenDRIVE><road id=\"0\" length=\"400\"><planView><geometry s=\"0\" x=\"0\" y=\"0\" hdg=\"0\" length=\"400\"><line/></geometry></planView>\
+         <lanes><laneSection s=\"0\"><left>{0}</left><right>{1}</right></laneSection><laneSection s=\"300\"><left>{0}</left></laneSection>\
+         </lanes></road></OpenDRIVE>",
+        lane(1),
+        lane(-1)
+    );
+    let files = vec![("dir/road.xodr".to_owned(), net)];
+    let mut run = Parts { files, ..Parts::default() }.run();
+    // Its front begins at 13 m.
+    assert!(!run.to(14.3).world.is_stopped());
+    assert!(run.to(14.4).world.has_road_ended());
+}
+
+#[test]
 fn distances_along_roads_that_do_not_connect_are_none() {
     let test = |kind: &str, axes: &str, metres: f64| {
         let test = format!(

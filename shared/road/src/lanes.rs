@@ -96,21 +96,9 @@ impl Lanes {
     /// lane to both sides. It keeps its last value where the lane has no neighbour. A lane without width at an end of
     /// its section has the edge of its neighbour there.
     pub fn center(&self, section: usize, index: usize) -> Profile {
-        let mut parts: Vec<(usize, usize)> = vec![(section, index)];
-        let mut at = (section, index);
-        while let Some(before) = self.sections[at.0].lanes[at.1].before
-            && at.0 > 0
-        {
-            at = (at.0 - 1, before);
-            parts.insert(0, at);
-        }
-        at = (section, index);
-        while let Some(after) = self.sections[at.0].lanes[at.1].after
-            && at.0 + 1 < self.sections.len()
-        {
-            at = (at.0 + 1, after);
-            parts.push(at);
-        }
+        let mut parts: Vec<(usize, usize)> = self.chain((section, index), false).collect();
+        parts.reverse();
+        parts.extend(self.chain((section, index), true).skip(1));
         let mut profile = Profile::default();
         for (section, index) in parts {
             let from_m = self.sections[section].from_m;
@@ -131,6 +119,20 @@ impl Lanes {
             }
         }
         profile
+    }
+
+    /// The places, section and lane, of a lane and of those that continue it, or that it continues.
+    pub fn chain(
+        &self,
+        from: (usize, usize),
+        forward: bool,
+    ) -> impl Iterator<Item = (usize, usize)> + '_ {
+        std::iter::successors(Some(from), move |&(section, index)| {
+            let lane = &self.sections[section].lanes[index];
+            let next = if forward { Some(section + 1) } else { section.checked_sub(1) };
+            let next = next.filter(|next| *next < self.sections.len());
+            next.zip(if forward { lane.after } else { lane.before })
+        })
     }
 
     fn end_m(&self, section: usize) -> f64 {

@@ -22,7 +22,7 @@ pub(crate) use opendrive::{Start, nearest};
 pub const ASSUMED_LANE_WIDTH_M: f64 = 3.5;
 const ASSUMED_LANES: i32 = 8;
 /// A place at the very end of a part belongs to it, not to the next one, m.
-const INSIDE_M: f64 = 1e-6;
+pub(crate) const INSIDE_M: f64 = 1e-6;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Road {
@@ -203,8 +203,8 @@ impl Road {
     pub fn drift(&self, from_s_m: f64, t_m: f64, to_s_m: f64) -> f64 {
         let Some(lane) = self.lane_at(from_s_m, t_m) else { return 0.0 };
         let (from, to) = (self.lanes.section(from_s_m), self.lanes.section(to_s_m));
-        let (mut section, mut index, mut at_m) = (from, lane.index, lane.center_m);
-        let mut moved_m = 0.0;
+        let (mut moved_m, mut at_m, mut joint_m) = (0.0, lane.center_m, from_s_m);
+        let forward = from < to;
         let center = |section: usize, index: usize, s_m: f64| {
             let sections = &self.lanes.sections;
             let end_m =
@@ -215,18 +215,25 @@ impl Road {
                 .find(|lane| lane.index == index)
                 .map_or(0.0, |lane| lane.center_m)
         };
-        while section != to {
-            let lane = &self.lanes.sections[section].lanes[index];
-            let forward = section < to;
-            let joint_m = self.lanes.sections[if forward { section + 1 } else { section }].from_m;
+        for (section, index) in self.lanes.chain((from, lane.index), forward) {
+            if section != from {
+                at_m = center(section, index, joint_m);
+            }
+            if section == to {
+                return moved_m + center(section, index, to_s_m) - at_m;
+            }
+            joint_m = self.lanes.sections[if forward { section + 1 } else { section }].from_m;
             moved_m += center(section, index, joint_m) - at_m;
-            let next = if forward { lane.after } else { lane.before };
-            let Some(next) = next else { return moved_m };
-            section = if forward { section + 1 } else { section - 1 };
-            index = next;
-            at_m = center(section, index, joint_m);
         }
-        moved_m + center(section, index, to_s_m) - at_m
+        moved_m
+    }
+
+    /// True if the lane at a place leads on to the last section, or against the reference line to the first one.
+    pub fn leads_on(&self, s_m: f64, t_m: f64, direction: f64) -> bool {
+        let (here, forward) = (self.lanes.section(s_m), direction > 0.0);
+        let end = if forward { self.lanes.sections.len() - 1 } else { 0 };
+        let lane = self.lane_at(s_m, t_m).map(|lane| (here, lane.index));
+        lane.is_some_and(|lane| self.lanes.chain(lane, forward).any(|(section, _)| section == end))
     }
 
     /// The steepest slope, up or down, as height over distance.

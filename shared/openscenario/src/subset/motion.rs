@@ -152,7 +152,10 @@ elements! { "Actions";
     /// lateral position follows the shape to the lane's centre
     LaneChangeAction -> Action ["targetLaneOffset" offset_m: Option<Number> as "m"]
     {transition: LaneChangeActionDynamics, target: LaneChangeTarget}
-    { Ok(Action::LaneChange { target, offset_m: offset_m.unwrap_or(0.0), transition }) }
+    |node| {
+        node.scene.add_exits(&node.place())?;
+        Ok(Action::LaneChange { target, offset_m: offset_m.unwrap_or(0.0), transition })
+    }
 
     /// the lane at the end
     LaneChangeTarget -> LaneTarget [] {target: OneOf<(AbsoluteTargetLane, RelativeTargetLane)>}

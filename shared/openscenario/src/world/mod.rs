@@ -72,9 +72,12 @@ pub struct State {
     time_ns: u64,
     step: u64,
     stopped: bool,
-    /// The ego came to the end of its road, and the drive ends there.
+    /// The ego came to the end of its road or lane, and the drive ends there.
     road_ended: bool,
     was_on_road: bool,
+    /// The ego was on a lane for vehicles.
+    #[serde(default)]
+    was_on_lane: bool,
     /// A part of the storyboard has changed since this was cleared.
     changed: bool,
     movers: Vec<Mover>,
@@ -180,14 +183,13 @@ impl World {
         let time_ns = time_ns.max(self.state.time_ns);
         self.state.step += 1;
         self.advance(time_ns);
-        match self.is_ego_on_road() {
-            true => self.state.was_on_road = true,
-            false if self.state.was_on_road && !self.state.stopped && !self.awaits_road_end() => {
-                self.state.road_ended = true;
-                self.state.stopped = true;
-            }
-            false => {}
+        let (on_road, on_lane) = self.where_ego_is();
+        let has_left = self.state.was_on_road && !on_road || self.state.was_on_lane && !on_lane;
+        if has_left && !self.state.stopped && !self.awaits_road_end() {
+            (self.state.road_ended, self.state.stopped) = (true, true);
         }
+        self.state.was_on_road |= on_road;
+        self.state.was_on_lane |= on_lane;
         self.state.time_ns = time_ns;
         if !self.state.stopped {
             self.signals();
@@ -235,7 +237,7 @@ impl World {
         self.state.stopped
     }
 
-    /// The ego's front came to the end of its road. The part beyond is in no file.
+    /// The ego's front came to the end of its road, or of its lane. The part beyond is in no file.
     pub fn has_road_ended(&self) -> bool {
         self.state.road_ended
     }
@@ -248,12 +250,17 @@ impl World {
         groups.flatten().any(|condition| is_end(&condition.test))
     }
 
-    /// The ego's front is between the road's ends. An assumed road has no ends.
-    fn is_ego_on_road(&self) -> bool {
+    /// True if the ego's front is between the road's ends, and true if it is on a lane for vehicles. An assumed road has
+    /// no ends.
+    fn where_ego_is(&self) -> (bool, bool) {
         let ego = self.motion(self.script.ego);
-        let Some(length_m) = self.script.roads[ego.row].length_m else { return true };
+        let road = &self.script.roads[ego.row];
+        let Some(length_m) = road.length_m else { return (true, true) };
         let front_m = self.extent(self.script.ego).front_s_m(ego.direction());
-        ego.present && (0.0..=length_m).contains(&front_m)
+        let lanes = road.lanes.strips(front_m).filter(|lane| lane.drivable);
+        let mut apart_m = lanes.map(|lane| (ego.t_m - lane.center_m).abs() - 0.5 * lane.width_m);
+        let on_road = ego.present && (0.0..=length_m).contains(&front_m);
+        (on_road, on_road && apart_m.any(|apart_m| apart_m <= 0.0))
     }
 
     fn is_external(&self, entity: usize) -> bool {

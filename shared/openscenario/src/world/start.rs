@@ -135,6 +135,7 @@ impl World {
             }
             Action::LaneChange { target, offset_m, transition } => {
                 let Some(lane_t_m) = self.lane_goal(actor, target) else { return };
+                let lane_t_m = self.take_row_of(actor, lane_t_m);
                 let (from_t_m, to_t_m) = (self.motion(actor).t_m, lane_t_m + offset_m);
                 let duration_s = transition.duration_s((to_t_m - from_t_m).abs(), 1.0);
                 let by = match transition.dimension {
@@ -183,6 +184,24 @@ impl World {
             // A profile that depends on itself is done at once, and so are the world's actions.
             _ => {}
         }
+    }
+
+    /// Puts an entity on a row of roads on which the lane at `t_m` leads on, if its own row leaves that lane. Returns
+    /// the lateral position of the lane there.
+    fn take_row_of(&mut self, actor: usize, t_m: f64) -> f64 {
+        let own = self.motion(actor);
+        let through = |row: &usize| !self.script.roads[*row].cuts.is_empty();
+        let others = (0..self.script.roads.len()).filter(through);
+        let rows = std::iter::once(own.row).chain(others);
+        let mut lanes = rows.filter_map(|row| self.on_row(&Motion { t_m, ..own }, row));
+        let leads =
+            |at: &Motion| self.script.roads[at.row].leads_on(at.s_m, at.t_m, at.direction());
+        let lane = lanes.find(leads);
+        let Some(lane) = lane.filter(|_| !self.is_external(actor)) else { return t_m };
+        if let Some(there) = self.on_row(&own, lane.row) {
+            self.state.movers[actor].motion = there;
+        }
+        lane.t_m
     }
 
     fn begin_speed(

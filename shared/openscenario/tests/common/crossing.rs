@@ -71,3 +71,31 @@ pub fn net() -> String {
     let ways: String = ways.iter().map(|(from, over)| connection(from, over)).collect();
     format!("<OpenDRIVE>{}<junction id=\"9\">{ways}</junction></OpenDRIVE>", roads.concat())
 }
+
+/// A road 0 of 200 m with the lanes -1 and -2. Lane -1 leads straight on over 21 to 2, lane -2 bends off over 22 to 3.
+pub fn exit() -> String {
+    let right = |lanes: &str| format!("<laneSection s=\"0\"><right>{lanes}</right></laneSection>");
+    let (one, two) = (right(&lane(-1, "")), right(&(lane(-1, "") + &lane(-2, ""))));
+    let link = |name: &str, to: &str| {
+        format!("<{name} elementType=\"road\" elementId=\"{to}\" contactPoint=\"start\"/>")
+    };
+    let linked = right(&lane(-1, "<successor id=\"-1\"/>"));
+    // An arc of 50 m to the right, 0.4 rad long.
+    let end = [200.0 + 50.0 * 0.4_f64.sin(), -4.0 - 50.0 * (1.0 - 0.4_f64.cos()), -0.4, 0.0, 200.0];
+    let junction = "<successor elementType=\"junction\" elementId=\"9\"/>";
+    let roads = [
+        road("0", "-1", junction, [0.0, 0.0, 0.0, 0.0, 200.0], &two),
+        road("21", "9", &link("successor", "2"), [200.0, 0.0, 0.0, 0.0, 20.0], &linked),
+        road("22", "9", &link("successor", "3"), [200.0, -4.0, 0.0, -0.02, 20.0], &linked),
+        road("2", "-1", "", [220.0, 0.0, 0.0, 0.0, 200.0], &one),
+        road("3", "-1", "", end, &one),
+    ];
+    let ways = [("21", -1), ("22", -2)].map(|(over, from)| {
+        format!(
+            "<connection id=\"{over}\" incomingRoad=\"0\" connectingRoad=\"{over}\" contactPoint=\"start\">\
+             <laneLink from=\"{from}\" to=\"-1\"/></connection>"
+        )
+    });
+    let ways = ways.concat();
+    format!("<OpenDRIVE>{}<junction id=\"9\">{ways}</junction></OpenDRIVE>", roads.concat())
+}
