@@ -219,7 +219,13 @@ impl Unit {
         self.map.send(map)?;
         self.spat.send(spat)?;
         if let Some(motions) = &mut self.motions {
-            motions.send_with(|message| message.fill(header, &self.receiver.motions))?;
+            motions.send_with(|message| {
+                message.header = header;
+                for (place, motion) in message.motions.iter_mut().zip(&self.receiver.motions) {
+                    *place = *motion;
+                    message.count += 1;
+                }
+            })?;
         }
         Ok(())
     }

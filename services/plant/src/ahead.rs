@@ -46,7 +46,6 @@ pub(crate) struct Lengths {
 }
 
 impl Lengths {
-    /// Those of the scenario's vehicles.
     pub(crate) fn of(scenario: &Scenario) -> Self {
         let others_m = scenario.actors.iter().map(|actor| actor.length_m.value()).collect();
         Self { ego_m: scenario.plant.length_m.value(), others_m }

@@ -75,7 +75,6 @@ pub(crate) struct Delivery {
 }
 
 impl Delivery {
-    /// The way that a scenario describes.
     pub(crate) fn new(scenario: &Scenario) -> Self {
         let runtime = &scenario.runtime;
         let period_ms = scenario.plant.period_ms.value();

@@ -5,7 +5,6 @@ use mcap::Summary;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Name of the file.
 const YAML: &str = "metadata.yaml";
 
 /// Removes what an earlier recording left in the place of the one at `path`.

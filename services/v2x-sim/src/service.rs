@@ -158,7 +158,13 @@ impl Voice {
                 let Some((motions, lights)) = motions.as_mut().zip(lights) else { return Ok(()) };
                 let heard = |motion: &&_| is_audible(motion, ego_m, unit.range_m);
                 let heard = lights.motions.iter().filter(heard);
-                motions.send_with(|message| message.fill(header, heard))?;
+                motions.send_with(|message| {
+                    message.header = header;
+                    for (place, motion) in message.motions.iter_mut().zip(heard) {
+                        *place = *motion;
+                        message.count += 1;
+                    }
+                })?;
                 Ok(())
             }
             Self::Frames(radio) => radio.send(header, time_ns, ego_m, lights),

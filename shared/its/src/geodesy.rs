@@ -94,7 +94,6 @@ impl Plane {
         (along * east - left * north, along * north + left * east)
     }
 
-    /// The reverse of [`Self::to_earth`].
     pub fn from_earth(&self, (to_east, to_north): (f64, f64)) -> (f64, f64) {
         let (east, north) = self.axis;
         (to_east * east + to_north * north, to_north * east - to_east * north)

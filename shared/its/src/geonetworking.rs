@@ -38,7 +38,6 @@ pub enum StationType {
 }
 
 impl StationType {
-    /// Number of the type.
     pub fn value(self) -> u8 {
         match self {
             Self::PassengerCar => 5,
@@ -48,7 +47,6 @@ impl StationType {
         }
     }
 
-    /// The type with this number.
     pub fn of(value: u8) -> Self {
         match value & 31 {
             5 => Self::PassengerCar,

@@ -28,7 +28,6 @@ macro_rules! key {
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of a scenario for the law that it names.
     pub fn new(scenario: &'a Scenario) -> Self {
         let reads = RefCell::new(Reads::of(scenario.controller.name.as_str()));
         Self { scenario, reads }

@@ -96,7 +96,6 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table `name`, of type `T`.
     pub const fn of<T: Settings>(name: &'static str) -> Self {
         Self {
             name,

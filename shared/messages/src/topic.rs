@@ -24,7 +24,6 @@ pub const LAYOUT_VERSION: &str = "3";
 
 /// A message type with its topic.
 pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
-    /// Topic that carries the type.
     const TOPIC: Topic;
 
     fn header(&self) -> &Header;
@@ -32,7 +31,6 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
     fn header_mut(&mut self) -> &mut Header;
 }
 
-/// Purpose of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Carries what a car has. Faults of messages can disturb it.

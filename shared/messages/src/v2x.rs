@@ -1,7 +1,7 @@
 //! Messages of the roadside unit, in the terms of SPATEM and MAPEM (SAE J2735).
 
 use crate::layout::declare::*;
-use crate::{Header, numbered};
+use crate::numbered;
 
 /// Most signals in one message.
 pub const MAX_SIGNALS: usize = 8;
@@ -153,20 +153,5 @@ layout! {
         pub lanes: [Lane; MAX_LANES],
         /// Their signals.
         pub signals: [Signal; MAX_SIGNALS],
-    }
-}
-
-impl AnnouncedMotions {
-    /// Fills an empty message with motions, as many as it has room for.
-    pub fn fill<'a>(
-        &mut self,
-        header: Header,
-        motions: impl IntoIterator<Item = &'a AnnouncedMotion>,
-    ) {
-        self.header = header;
-        for (place, motion) in self.motions.iter_mut().zip(motions) {
-            *place = *motion;
-            self.count += 1;
-        }
     }
 }

@@ -59,7 +59,6 @@ fn hint(nearest: &Option<&'static str>) -> String {
 }
 
 impl FormulaError {
-    /// The error of the bytes `place` of `text`.
     pub(crate) fn at(text: &str, place: Range<usize>, problem: Problem) -> Self {
         let characters =
             |range: Range<usize>| text.get(range).map_or(0, |part| part.chars().count());

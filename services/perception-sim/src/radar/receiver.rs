@@ -37,7 +37,6 @@ pub struct Echoes {
 }
 
 impl Echoes {
-    /// Room for `capacity` echoes.
     pub fn new(capacity: usize, numbers: &Numbers) -> Self {
         let least_power = numbers.least_power;
         Self { list: Vec::with_capacity(capacity), capacity, least_power, left_out: 0 }

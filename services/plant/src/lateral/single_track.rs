@@ -65,7 +65,6 @@ impl SingleTrack {
         curvature_perm * self.steering_way_m(speed_mps)
     }
 
-    /// Steady motion at a steering angle.
     pub fn steady(&self, steering_rad: f64, speed_mps: f64) -> Slip {
         let yaw_radps = steering_rad * speed_mps / self.steering_way_m(speed_mps);
         let rear_rad = self.slip_rad_per_mps2 * speed_mps * yaw_radps;

@@ -108,7 +108,6 @@ impl Plant {
         self.control.delivery.undelivered = kept.undelivered;
     }
 
-    /// The state at the end of a step.
     fn snapshot(&self, step: u64) -> Snapshot<&Referee, &LevelLog> {
         Snapshot {
             step,

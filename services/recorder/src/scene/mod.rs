@@ -98,7 +98,6 @@ impl Body {
 }
 
 impl Scene {
-    /// The scene of a run.
     pub(crate) fn of(metadata: &Metadata) -> Self {
         let scenario = Scenario::parse("scenario", &metadata.scenario).ok();
         Self::on(scenario.as_ref(), metadata.epoch_ns)

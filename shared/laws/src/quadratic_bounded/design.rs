@@ -67,7 +67,6 @@ impl Design {
         Self::load(&text)
     }
 
-    /// The design that comes with the law.
     pub fn shipped() -> Self {
         Self::load(SHIPPED).expect("the shipped file is verified by the tests")
     }

@@ -181,7 +181,6 @@ impl Reconstruction {
         }
     }
 
-    /// Joins a stretch with the one after it.
     fn join(&mut self, index: usize, limits: &LimitGrades) {
         let next = self.stretches.remove(index + 1);
         self.stretches[index].absorb(&next, limits);

@@ -64,12 +64,10 @@ impl Variation {
 
     /// Adds the place in this file to an error about a value that it gives to a parameter of its scenario.
     pub fn locate(&self, error: ReadError) -> ReadError {
-        match &error {
-            ReadError::Override { name, .. } => match self.places.get(name) {
-                Some(place) => error.given_at(place),
-                None => error,
-            },
-            _ => error,
+        let ReadError::Override { name, .. } = &error else { return error };
+        match self.places.get(name) {
+            Some(place) => error.given_at(place),
+            None => error,
         }
     }
 

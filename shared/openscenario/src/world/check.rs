@@ -3,9 +3,9 @@
 use crate::model::action::{Action, Aside, LaneTarget, OffsetTarget};
 use crate::model::condition::{CollisionWith, EntityTest, Measured, Target, Test};
 use crate::model::position::Position;
-use crate::model::{Category, MAX_ENTITIES, Script};
+use crate::model::{MAX_ENTITIES, Script};
+use crate::world::WorldError;
 use crate::world::plan::Plan;
-use crate::world::{Motion, WorldError};
 
 /// Checks that every index of a script is inside its list.
 pub(super) fn check(script: &Script, plan: &Plan) -> Result<(), WorldError> {
@@ -85,23 +85,4 @@ fn of_test(test: &Test) -> Indices {
 
 fn inside(what: &'static str, index: usize, count: usize) -> Result<(), WorldError> {
     if index < count { Ok(()) } else { Err(WorldError::Index { what, index, count }) }
-}
-
-/// Checks that a vehicle that is placed on a lane is not wider than that.
-pub(super) fn fits_its_lane(
-    script: &Script,
-    actor: usize,
-    &Motion { row, s_m, t_m, .. }: &Motion,
-) -> Result<(), WorldError> {
-    let (entity, road) = (&script.entities[actor], &script.roads[row]);
-    let width_m = entity.body.width_m;
-    let Some(lane) = road.lane_at(s_m, t_m).filter(|_| road.holds(s_m, t_m)) else {
-        return Ok(());
-    };
-    if entity.category == Category::Vehicle && width_m > lane.width_m {
-        let expected = format!("expected at most the {} m of lane {}", lane.width_m, lane.id);
-        let reason = format!("is {width_m} m wide, {expected}");
-        return Err(WorldError::Start { entity: entity.name.clone(), reason });
-    }
-    Ok(())
 }

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use road::Pose;
 
+use crate::model::Category;
 use crate::model::action::{
     Action, Aside, Change, Dimension, LateralSide, OffsetTarget, Shape, Trajectory, Transition,
 };
 use crate::model::condition::ElementState;
 use crate::model::position::Position;
 use crate::model::timed::SpeedTarget;
-use crate::world::check::fits_its_lane;
 use crate::world::geometry::Motion;
 use crate::world::motion::{Course, LateralShape, Pace, Part, Path};
 use crate::world::profile::Profile;
@@ -34,7 +34,7 @@ impl World {
                     "cannot be placed: the lane or the entity that it is placed from is not there";
                 return Err(self.no_start(actor, reason));
             };
-            fits_its_lane(&script, actor, &at)?;
+            self.fits_its_lane(actor, &at)?;
             self.state.movers[actor].motion = at;
         }
         Ok(())
@@ -71,6 +71,20 @@ impl World {
             done.push(open.remove(next.ok_or_else(|| self.no_start(open[0].0, circle))?));
         }
         Ok(done)
+    }
+
+    /// Checks that a vehicle that is placed on a lane is not wider than that.
+    fn fits_its_lane(&self, actor: usize, at: &Motion) -> Result<(), WorldError> {
+        let (road, entity) = (&self.script.roads[at.row], &self.script.entities[actor]);
+        let width_m = entity.body.width_m;
+        let lane = road.lane_at(at.s_m, at.t_m).filter(|_| road.holds(at.s_m, at.t_m));
+        match lane.filter(|lane| lane.width_m < width_m && entity.category == Category::Vehicle) {
+            None => Ok(()),
+            Some(lane) => {
+                let expected = format!("at most the {} m of lane {}", lane.width_m, lane.id);
+                Err(self.no_start(actor, &format!("is {width_m} m wide, expected {expected}")))
+            }
+        }
     }
 
     fn no_start(&self, actor: usize, reason: &str) -> WorldError {

@@ -216,8 +216,13 @@ impl World {
         if phase == Phase::Complete {
             return;
         }
-        if self.plan.elements[index].kind == ElementKind::Action {
-            self.abandon(index);
+        // All that an action does for its actors ends with it.
+        for actor in 0..self.state.movers.len() {
+            for part in [Part::Pace, Part::Steer, Part::Path] {
+                if self.state.movers[actor].owners[part as usize] == Some(index) {
+                    self.clear(actor, part);
+                }
+            }
         }
         if phase == Phase::Running {
             self.mark(index, ElementState::StopTransition);
@@ -301,16 +306,5 @@ impl World {
         }
         let owner = mover.owners[part as usize].take();
         self.release(owner, how);
-    }
-
-    /// Ends everything that a storyboard's action does, because its event is stopped.
-    pub(super) fn abandon(&mut self, element: usize) {
-        for actor in 0..self.state.movers.len() {
-            for part in [Part::Pace, Part::Steer, Part::Path] {
-                if self.state.movers[actor].owners[part as usize] == Some(element) {
-                    self.clear(actor, part);
-                }
-            }
-        }
     }
 }

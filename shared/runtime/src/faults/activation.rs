@@ -108,7 +108,6 @@ impl Faults {
         }
     }
 
-    /// True if one waits for a state of the drive.
     pub(crate) fn waits_for_the_drive(&self) -> bool {
         self.entries.borrow().iter().any(|entry| entry.fault.begin.when.is_some())
     }

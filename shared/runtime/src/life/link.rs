@@ -112,7 +112,6 @@ pub(crate) struct Orders {
     thread: Arc<AtomicI32>,
 }
 
-/// Way of the link's messages.
 #[derive(Debug)]
 enum Way {
     /// By the standard streams. The orders to join and to start come from the thread that reads them.

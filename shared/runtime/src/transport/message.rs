@@ -22,7 +22,6 @@ pub(super) type Words = Rc<[u64]>;
 #[derive(Debug)]
 pub struct Loan<T: Message>(pub(crate) Place, PhantomData<T>);
 
-/// The place of a message that is written.
 #[derive(Debug)]
 pub(crate) enum Place {
     /// In the sender's segment of shared memory.

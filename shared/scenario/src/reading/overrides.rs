@@ -102,7 +102,6 @@ impl Override {
         Shown { text: format!("{option} {argument}"), path, value_start: value_start + start }
     }
 
-    /// The error at a step of the path.
     fn refuse(&self, step: usize, message: &str, expected: String) -> ScenarioError {
         let Shown { text, path, .. } = self.shown();
         let span = path.get(step).cloned().unwrap_or_default();
