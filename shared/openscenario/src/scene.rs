@@ -176,6 +176,13 @@ impl<'a> Scene<'a> {
         self.rows.borrow().iter().map(|row| row.road.clone()).collect()
     }
 
+    /// The row that leads over the same roads as one that was found. If there is none, this one is added.
+    fn row_of(&self, found: Found) -> Rc<Scenery> {
+        let is_it = |row: &&Rc<Scenery>| row.road.parts == found.road.parts;
+        let known = self.rows.borrow().iter().find(is_it).cloned();
+        known.unwrap_or_else(|| self.add(found))
+    }
+
     fn add(&self, Found { road, notices }: Found) -> Rc<Scenery> {
         notices.into_iter().for_each(|notice| self.notice(notice));
         let mut rows = self.rows.borrow_mut();
@@ -225,10 +232,9 @@ impl<'a> Scene<'a> {
         if found.road.cuts.is_empty() || !(0.0..=part.length_m).contains(&at.0) {
             return Ok(position);
         }
-        let known = rows.iter().find(|row| row.road.parts == found.road.parts).cloned();
         let over: Vec<&str> = found.road.parts.iter().map(|part| part.id.as_str()).collect();
         self.notice(format!("{place}: the way leads over the roads `{}`", over.join("`, `")));
-        let scenery = known.unwrap_or_else(|| self.add(found));
+        let scenery = self.row_of(found);
         let (s_m, t_m, turned) =
             scenery.road.place_of(road, s_m, t_m).expect("the row leads over this road");
         let heading = match position.heading {
@@ -241,7 +247,8 @@ impl<'a> Scene<'a> {
     /// Adds the rows of the lanes that leave the rows at their junctions: a change of lane may lead to them.
     pub(crate) fn add_exits(&self, place: &Place) -> Result<(), ReadError> {
         let Some(document) = self.road_file.get() else { return Ok(()) };
-        for road in self.roads() {
+        let rows: Vec<Rc<Scenery>> = self.rows.borrow().clone();
+        for Scenery { road, .. } in rows.iter().map(Rc::as_ref) {
             for cut in road.cuts.iter().skip(1) {
                 let (s_m, part) = (cut.from_m - INSIDE_M, road.part_at(cut.from_m - INSIDE_M));
                 let ahead = road.lanes.strips(s_m).filter(|lane| road.direction(lane) > 0.0);
@@ -250,9 +257,8 @@ impl<'a> Scene<'a> {
                     let (at, reversed) = (part.own(s_m, lane.center_m), part.reversed);
                     let found =
                         document.along(&Start { road: &part.id, at, reversed }, &[], place)?;
-                    let is_known = self.roads().iter().any(|road| road.parts == found.road.parts);
-                    if !found.road.cuts.is_empty() && !is_known {
-                        self.add(found);
+                    if !found.road.cuts.is_empty() {
+                        self.row_of(found);
                     }
                 }
             }

@@ -204,9 +204,9 @@ impl World {
         overlap(body(entity), body(other))
     }
 
-    /// The distance from an entity to a target, m, if the target is on the road. There is none along or across roads that
-    /// do not connect. With it come the rate at which it
-    /// shrinks, m/s, and true if the target is behind the entity: there is no headway to it.
+    /// The distance from an entity to a target, m, if the target is on the road. Roads that do not connect have no distance
+    /// along or across them. With it come the rate at which it shrinks, m/s, and true if the target is behind the entity:
+    /// there is no headway to it.
     fn measure(&self, entity: usize, to: &Measured) -> Option<(f64, f64, bool)> {
         let own = self.motion(entity);
         let (body, far) = match &to.target {

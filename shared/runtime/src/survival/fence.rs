@@ -41,7 +41,7 @@ impl Word for AtomicU32 {
     }
 }
 
-/// True if the process of this epoch may send, and if a message of it, which has arrived, may be used.
+/// True if the process of this epoch has its place in the group: it may send, and its messages are used.
 pub fn is_present(word: &impl Word, epoch: u32) -> bool {
     word.load() == epoch
 }
