@@ -142,13 +142,29 @@ fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
         .map_or((target.gap_m, target.relative_speed_mps), |track| {
             (track.range_m, track.range_rate_mps)
         });
+    let gap_m = gap_m + relative_speed_mps * age_s;
     (target.valid != 0).then_some(Target {
         track_id: target.track_id,
-        gap_m: gap_m + relative_speed_mps * age_s,
+        gap_m: gap_m.max(eased_m(gap_m, relative_speed_mps, target.doubt_share)),
         relative_speed_mps,
         acceleration_mps2: target.acceleration_mps2,
         age_s,
     })
+}
+
+/// Braking that is as bad as one for nothing, m/s²: the most of a cruise control (ISO 15622).
+const FOR_NOTHING_MPS2: f64 = 5.0;
+/// Braking for what stands and may be beside the way, m/s²: about that of an engine, which surprises nobody behind.
+const EASES_MPS2: f64 = 1.0;
+
+/// Distance at which a law eases off for a target, m; 0: the target is worth the braking that it needs. To brake late
+/// costs the square of the braking that is then needed, and to brake for nothing that of [`FOR_NOTHING_MPS2`].
+fn eased_m(gap_m: f64, relative_speed_mps: f64, doubt_share: f64) -> f64 {
+    let square = relative_speed_mps.min(0.0).powi(2);
+    let needed_mps2 = square / (2.0 * gap_m.max(1.0));
+    let late = (1.0 - doubt_share) * needed_mps2.powi(2);
+    let is_worth = late >= doubt_share * FOR_NOTHING_MPS2.powi(2);
+    if is_worth { 0.0 } else { square / (2.0 * EASES_MPS2) }
 }
 
 /// The target with the acceleration that it announces, if it brakes harder than the radar has it. A radar needs some
@@ -265,7 +281,7 @@ fn likely_s(setting: &Setting, phase: Phase, interval: &Interval, end_s: f64, ti
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
-    use messages::Lane;
+    use messages::{Lane, TrackedTarget};
 
     const SETTING: Setting = Setting {
         period_s: 0.1,
@@ -286,6 +302,28 @@ mod tests {
         assert_eq!((soon.position_m, soon.speed_mps), (10.375, 1.0));
         let late = input(&SETTING, &samples, SignalTrust::Announced, 9.0).ego;
         assert_eq!((late.position_m, late.speed_mps), (10.5, 0.0));
+    }
+
+    #[test]
+    fn a_doubtful_target_is_given_where_1_mps2_stops_the_ego() {
+        let gap_m = |gap_m: f64, closing_mps: f64, doubt_share: f64| {
+            let mut radar = RadarTracks::zeroed();
+            radar.target = TrackedTarget {
+                valid: 1,
+                gap_m,
+                relative_speed_mps: -closing_mps,
+                doubt_share,
+                ..TrackedTarget::zeroed()
+            };
+            let samples = Samples { radar: Some(&radar), ..Samples::default() };
+            input(&SETTING, &samples, SignalTrust::Announced, 0.0).target.expect("valid").gap_m
+        };
+        assert_eq!(gap_m(80.0, 20.0, 0.0), 80.0, "no doubt");
+        // 2.5 m/s² are needed: as bad as 5 m/s² for nothing in one of five drives.
+        assert_eq!((gap_m(80.0, 20.0, 0.19), gap_m(80.0, 20.0, 0.21)), (80.0, 200.0));
+        assert_eq!((gap_m(40.0, 20.0, 0.49), gap_m(40.0, 20.0, 0.51)), (40.0, 200.0));
+        assert_eq!(gap_m(300.0, 20.0, 0.9), 300.0, "less than 1 m/s² is needed");
+        assert_eq!(gap_m(3.0, 1.0, 0.9), 3.0, "nearly at standstill");
     }
 
     #[test]

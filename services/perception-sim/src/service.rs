@@ -235,6 +235,7 @@ fn write_tracks(
             gap_m: target.gap_m,
             relative_speed_mps: target.relative_speed_mps,
             acceleration_mps2: target.acceleration_mps2,
+            doubt_share: target.doubt_share,
         };
     }
 }

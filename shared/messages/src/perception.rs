@@ -32,6 +32,8 @@ layout! {
         pub relative_speed_mps: f64,
         /// Absolute acceleration of the target, m/s².
         pub acceleration_mps2: f64,
+        /// Probability that it stands beside the ego's way; 0 of one that has moved.
+        pub doubt_share: f64,
     }
 
     /// Output of the radar and its tracker.

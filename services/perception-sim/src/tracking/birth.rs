@@ -3,9 +3,7 @@
 //! Standing targets: a track begins with a standing echo only in the ego's lane ([`Numbers::standing_half_width_m`]), or
 //! where the belief about the road allows it.
 //! There a standing object is an obstacle. The track needs twice the scans to be confirmed. Standing echoes elsewhere
-//! count as roadside. A vehicle that has been tracked while it moved stays a track when it stops. Nothing begins three
-//! lanes off ([`Numbers::farthest_m`]): it cannot come before the ego soon, and most mirror images in a guard rail are
-//! there. A nearer image has its vehicle's speed, beside the ego's way.
+//! count as roadside. A vehicle that has been tracked while it moved stays a track when it stops.
 //!
 //! A detection whose vehicle the radar knows begins a track wherever it is, and counts as a vehicle that has moved.
 
@@ -29,10 +27,7 @@ pub fn find(
 ) {
     for point in points.iter_mut() {
         let stands_aside = !moves(point, numbers) && is_aside(point);
-        if point.owner.is_none()
-            && point.vehicle.is_none()
-            && (stands_aside || point.y_m.abs() > numbers.farthest_m)
-        {
+        if point.owner.is_none() && point.vehicle.is_none() && stands_aside {
             point.owner = Some(NO_TRACK);
         }
     }

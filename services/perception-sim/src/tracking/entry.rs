@@ -20,6 +20,7 @@ pub(super) fn entry(track: &DetectedTrack, course: &Course, detections: &[Detect
         length_m: track.length_m,
         width_m: track.width_m,
         in_path: track.membership.in_path(),
+        doubt_share: track.membership.doubt_share,
         ..Track::default()
     };
     match detections.get(track.nearest).filter(|_| track.is_seen()) {

@@ -61,6 +61,7 @@ impl ExactTracker {
                 length_m: vehicle.length_m,
                 width_m: scenario::event::VEHICLE_WIDTH_M,
                 in_path: membership.in_path(),
+                doubt_share: 0.0,
             });
         }
         list.finish();

@@ -44,6 +44,8 @@ pub struct Track {
     /// Width as far as it is seen, m.
     pub width_m: f64,
     pub in_path: bool,
+    /// As in the message.
+    pub doubt_share: f64,
 }
 
 impl TrackList {

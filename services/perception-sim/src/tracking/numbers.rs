@@ -107,11 +107,6 @@ parameters! {
         /// Difference of speeds below which they may be one vehicle.
         same_mps: f64 = 1.5, "m/s", 0.3..=5.0, "Chosen. At 0.75 time with a false target -92 %; at 3 GOSPA +2 %.";
 
-        // Mirror images.
-
-        /// Distance from the lane's centre beyond which no track begins: three and a half lanes of 3.5 m.
-        farthest_m: f64 = 12.25, "m", 5.0..=30.0, "Chosen. At 6.125 and 24.5 nothing changes.";
-
         // The ego's path.
 
         /// Lateral speed below which a vehicle wanders within its lane.
@@ -158,8 +153,6 @@ parameters! {
         post_across_m: f64 = 2.0, "m", 0.5..=4.0, "Chosen. At 1 and 4 nothing changes.";
         /// Distance across the lanes within which a nearer vehicle may hide another one.
         hides_m: f64 = 2.5, "m", 1.0..=5.0, "Chosen. At 1.25 no change; at 5 error of the seen share +7 %.";
-        /// Distance by which a vehicle that hides another one may be behind it: two that have merged.
-        hides_behind_m: f64 = 5.0, "m", 0.0..=15.0, "Chosen. At 2.5 and 10 nothing changes.";
         /// Posts, times scans, that the map predicted without a detection of post or vehicle, from which the radar is blind.
         promised: f64 = 80.0, "posts", 5.0..=200.0, "Chosen: half a second at 50 posts a kilometre; two of three may be hidden by vehicles.";
 

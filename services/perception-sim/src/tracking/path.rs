@@ -42,6 +42,8 @@ pub struct Across {
     pub in_way: Option<f64>,
     /// It drives along the road.
     pub drives: bool,
+    /// It has been seen to move. For what has not the law eases off while it is doubtful.
+    pub has_moved: bool,
     /// Approach of the ego to it.
     pub approach: Approach,
 }
@@ -65,6 +67,7 @@ impl Across {
             speed_sigma_mps: 0.0,
             in_way: None,
             drives: false,
+            has_moved: false,
             approach,
         }
     }
@@ -85,6 +88,8 @@ const HARDEST_MPS2: f64 = 6.0;
 /// Price of braking for nothing. It surprises those behind, so it is as bad as having to brake with 5 m/s², the most of
 /// a cruise control (ISO 15622).
 const FOR_NOTHING: f64 = 4.0;
+/// Price of easing off for nothing, which the law does for what stands: as bad as having to brake comfortably.
+const EASING_FOR_NOTHING: f64 = 1.0;
 /// Probability from which a vehicle is followed that needs no braking.
 const FOLLOWED: f64 = 0.8;
 /// Time over which a driving vehicle's probability is a mean, s: it passes the 60 m in which a curve begins at 30 m/s.
@@ -99,10 +104,12 @@ const LEAVES_SHARE: f64 = 0.25;
 /// Probability of being in the way from which a track is worth this braking, m/s².
 ///
 /// Braking late costs the square of the braking that is then needed, in multiples of what is comfortable. Braking for
-/// nothing costs [`FOR_NOTHING`]. A track is worth braking if P · (a / 2.5)² > (1 - P) · 4.
-fn enter_at(braking_mps2: f64) -> f64 {
+/// nothing costs [`FOR_NOTHING`]. A track is worth braking if P · (a / 2.5)² > (1 - P) · 4. One that has
+/// not moved is worth easing off at the lower price. Its doubt decides whether the law brakes.
+fn enter_at(braking_mps2: f64, has_moved: bool) -> f64 {
     let late = braking_mps2.min(HARDEST_MPS2) / COMFORT_MPS2;
-    (1.0 / (1.0 + late * late / FOR_NOTHING)).min(FOLLOWED)
+    let for_nothing = if has_moved { FOR_NOTHING } else { EASING_FOR_NOTHING };
+    (1.0 / (1.0 + late * late / for_nothing)).min(FOLLOWED)
 }
 
 impl Approach {
@@ -130,6 +137,8 @@ pub struct Membership {
     beyond_s: f64,
     /// Logarithm of the odds of being in the ego's way, where that is doubtful.
     log_odds: Option<f64>,
+    /// Probability that it stands beside the ego's way; 0 of one that has moved.
+    pub(super) doubt_share: f64,
 }
 
 impl PathLimits {
@@ -147,6 +156,7 @@ impl PathLimits {
     /// Takes note of the track's lateral motion, `dt_s` after the time before.
     pub fn observe(&self, membership: &mut Membership, across: &Across, dt_s: f64) {
         let in_way = across.in_way.map(|now| membership.weigh(now, across, dt_s));
+        membership.doubt_share = in_way.filter(|_| !across.has_moved).map_or(0.0, |p| 1.0 - p);
         let (enters, stays) = self.within(&Across { in_way, ..*across });
         let Numbers { wandering_mps, inward_sigma, course_inward_sigma, .. } = self.numbers;
         // Corrections of an estimated course last for some scans, and look like a motion across it.
@@ -172,7 +182,7 @@ impl PathLimits {
     /// It is within the limits to enter and to stay.
     fn within(&self, across: &Across) -> (bool, bool) {
         if let Some(probability) = across.in_way {
-            let enter = enter_at(across.approach.braking_mps2());
+            let enter = enter_at(across.approach.braking_mps2(), across.has_moved);
             return (probability > enter, probability >= LEAVES_SHARE * enter);
         }
         let offset_m = across.lateral_m.abs();

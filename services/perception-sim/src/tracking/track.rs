@@ -251,12 +251,11 @@ impl DetectedTrack {
             return Across::resting(f64::INFINITY);
         }
         Across {
-            lateral_m: self.across.position_m(),
             speed_mps: self.across.speed_mps(),
             speed_sigma_mps: self.across.speed_sigma_mps(),
-            in_way: None,
-            drives: false,
+            has_moved: self.moved,
             approach,
+            ..Across::resting(self.across.position_m())
         }
     }
 

@@ -222,11 +222,10 @@ impl Tracker {
             let outer_m = lateral_m.abs() + 0.5 * track.width_m;
             let is_near = gap_m < numbers.reach_m && self.view.shows(gap_m, outer_m);
             // A vehicle that another one hides, or that has merged with one, is not expected.
-            let to_m = gap_m + numbers.hides_behind_m;
             let mut others = places.iter().zip(&self.tracks);
             let mut is_hidden = || {
                 others.any(|((other_gap_m, other_lateral_m), other)| {
-                    *other_gap_m < to_m
+                    *other_gap_m < gap_m
                         && (other_lateral_m - lateral_m).abs() < numbers.hides_m
                         && other.id != track.id
                 })

@@ -64,6 +64,7 @@ fn threats_that_braking_does_not_avoid_stay_out() {
             speed_sigma_mps: 0.1,
             in_way: None,
             drives: true,
+            has_moved: true,
             approach,
         };
         let mut membership = Membership::default();
@@ -83,11 +84,12 @@ fn threats_that_braking_does_not_avoid_stay_out() {
 #[test]
 fn prices_decide_where_the_path_is_doubtful() {
     // 20 m/s towards what stands: 2.5 m/s² at 80 m, 5 m/s² at 40 m.
-    let within = |gap_m: f64, probability: f64| {
+    let of = |gap_m: f64, probability: f64, has_moved: bool| {
         let approach = Approach { gap_m, relative_speed_mps: -20.0 };
         let in_way = Some(probability);
-        limits().within(&Across { in_way, approach, ..Across::resting(0.0) })
+        limits().within(&Across { in_way, approach, has_moved, ..Across::resting(0.0) })
     };
+    let within = |gap_m: f64, probability: f64| of(gap_m, probability, true);
     assert_eq!(within(80.0, 0.81), (true, true));
     assert_eq!(within(80.0, 0.79), (false, true), "braking for nothing is four times as bad");
     assert_eq!(within(80.0, 0.19), (false, false));
@@ -100,10 +102,25 @@ fn prices_decide_where_the_path_is_doubtful() {
         ((false, true), (false, false)),
         "beside it"
     );
+    // What has never moved is worth easing off: that costs a quarter.
+    assert_eq!((of(80.0, 0.51, false), of(80.0, 0.49, false)), ((true, true), (false, true)));
     // A lead that goes along needs no braking.
     let in_way = Some(0.81);
     let lead = Across { in_way, ..Across::resting(3.5) };
     assert_eq!(limits().within(&lead), (true, true), "the probability alone decides");
+}
+
+#[test]
+fn what_stands_has_a_doubt_and_what_has_moved_has_none() {
+    let doubt_share = |in_way: Option<f64>, has_moved: bool| {
+        let mut membership = Membership::default();
+        let across = Across { in_way, has_moved, ..Across::resting(0.0) };
+        limits().observe(&mut membership, &across, 0.05);
+        membership.doubt_share
+    };
+    assert!((doubt_share(Some(0.7), false) - 0.3).abs() < 1e-12);
+    assert_eq!(doubt_share(Some(0.7), true), 0.0);
+    assert_eq!(doubt_share(None, false), 0.0, "without a belief nothing is doubtful");
 }
 
 #[test]
