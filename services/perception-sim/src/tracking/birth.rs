@@ -1,9 +1,9 @@
 //! New tracks from detections that belong to none.
 //!
 //! Standing targets: a track begins with a standing echo only in the ego's lane ([`Numbers::standing_half_width_m`]), or
-//! where the belief about the road allows it.
-//! There a standing object is an obstacle. The track needs twice the scans to be confirmed. Standing echoes elsewhere
-//! count as roadside. A vehicle that has been tracked while it moved stays a track when it stops.
+//! where the belief about the road allows it. There a standing object is an obstacle. The track needs twice the scans to
+//! be confirmed. Standing echoes elsewhere count as roadside. Nothing begins three lanes off: it cannot come before the
+//! ego soon, and most mirror images in a guard rail are there ([`Numbers::farthest_m`]).
 //!
 //! A detection whose vehicle the radar knows begins a track wherever it is, and counts as a vehicle that has moved.
 
@@ -27,7 +27,10 @@ pub fn find(
 ) {
     for point in points.iter_mut() {
         let stands_aside = !moves(point, numbers) && is_aside(point);
-        if point.owner.is_none() && point.vehicle.is_none() && stands_aside {
+        if point.owner.is_none()
+            && point.vehicle.is_none()
+            && (stands_aside || point.y_m.abs() > numbers.farthest_m)
+        {
             point.owner = Some(NO_TRACK);
         }
     }

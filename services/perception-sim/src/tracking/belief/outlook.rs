@@ -78,9 +78,7 @@ impl Belief {
         let heading_rad = there.heading_rad - (ego.heading_rad - self.frame.heading_rad);
         let nodes = &self.mean.line.nodes;
         Course::bent(heading_rad, |sigma_m| {
-            let (index, share) = between(there.s_m + sigma_m);
-            let [a, b] = [nodes[index].curvature_perm, nodes[index + 1].curvature_perm];
-            a + share * (b - a)
+            between(there.s_m + sigma_m, |index| nodes[index].curvature_perm)
         })
     }
 
@@ -151,16 +149,12 @@ impl Belief {
         if !self.sources.looks_ahead() {
             return libm::hypot(ASKEW_RAD * sigma_m, 0.5 * STEERED_PERM * sigma_m * sigma_m);
         }
-        let (index, share) = between(sigma_m);
-        let [a, b] = [self.mean.sigma_m[index], self.mean.sigma_m[index + 1]];
-        a + share * (b - a)
+        between(sigma_m, |index| self.mean.sigma_m[index])
     }
 
     /// Standard deviation of the course's heading at an arc length, rad.
     pub fn heading_sigma_rad(&self, sigma_m: f64) -> f64 {
-        let (index, share) = between(sigma_m);
-        let [a, b] = [self.mean.sigma_rad[index], self.mean.sigma_rad[index + 1]];
-        a + share * (b - a)
+        between(sigma_m, |index| self.mean.sigma_rad[index])
     }
 
     /// Landmarks and pairs of trail places in use.
@@ -170,9 +164,10 @@ impl Belief {
     }
 }
 
-/// The node before an arc length, and the share of the next one.
-fn between(s_m: f64) -> (usize, f64) {
+/// Value at an arc length, between those at two nodes.
+fn between(s_m: f64, at: impl Fn(usize) -> f64) -> f64 {
     let place = ((s_m - FIRST_M) / SPACING_M).clamp(0.0, (NODES - 1) as f64);
     let index = (place as usize).min(NODES - 2);
-    (index, place - index as f64)
+    let before = at(index);
+    before + (place - index as f64) * (at(index + 1) - before)
 }
