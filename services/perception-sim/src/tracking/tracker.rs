@@ -221,11 +221,11 @@ impl Tracker {
             let (gap_m, lateral_m) = places[index];
             let outer_m = lateral_m.abs() + 0.5 * track.width_m;
             let is_near = gap_m < numbers.reach_m && self.view.shows(gap_m, outer_m);
-            // A vehicle that another one hides, or that has merged with one, is not expected.
+            // A vehicle that another one hides, or that may have merged with one beside it, is not expected.
             let mut others = places.iter().zip(&self.tracks);
             let mut is_hidden = || {
                 others.any(|((other_gap_m, other_lateral_m), other)| {
-                    *other_gap_m < gap_m
+                    *other_gap_m < gap_m + track.length_m
                         && (other_lateral_m - lateral_m).abs() < numbers.hides_m
                         && other.id != track.id
                 })
