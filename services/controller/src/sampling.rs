@@ -87,10 +87,10 @@ pub fn input(setting: &Setting, samples: &Samples<'_>, trust: SignalTrust, time_
         time_s,
         period_s: setting.period_s,
         ego,
-        target: samples
-            .radar
-            .and_then(|radar| target_at(radar, setting.raw_target, time_s))
-            .map(|target| announced(target, samples, &ego, time_s)),
+        target: samples.radar.and_then(|radar| {
+            let target = target_at(radar, setting.raw_target, time_s)?;
+            Some(eased(announced(target, samples, &ego, time_s), radar.target.doubt_share))
+        }),
         signals: signals_ahead(setting, samples, &ego, trust, time_s),
         powertrain: samples.powertrain.map(|powertrain| powertrain_at(powertrain, samples, time_s)),
         preview: samples.preview.map(preview),
@@ -142,29 +142,13 @@ fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
         .map_or((target.gap_m, target.relative_speed_mps), |track| {
             (track.range_m, track.range_rate_mps)
         });
-    let gap_m = gap_m + relative_speed_mps * age_s;
     (target.valid != 0).then_some(Target {
         track_id: target.track_id,
-        gap_m: gap_m.max(eased_m(gap_m, relative_speed_mps, target.doubt_share)),
+        gap_m: gap_m + relative_speed_mps * age_s,
         relative_speed_mps,
         acceleration_mps2: target.acceleration_mps2,
         age_s,
     })
-}
-
-/// Braking that is as bad as one for nothing, m/s²: the most of a cruise control (ISO 15622).
-const FOR_NOTHING_MPS2: f64 = 5.0;
-/// Braking for what stands and may be beside the way, m/s²: about that of an engine, which surprises nobody behind.
-const EASES_MPS2: f64 = 1.0;
-
-/// Distance at which a law eases off for a target, m; 0: the target is worth the braking that it needs. To brake late
-/// costs the square of the braking that is then needed, and to brake for nothing that of [`FOR_NOTHING_MPS2`].
-fn eased_m(gap_m: f64, relative_speed_mps: f64, doubt_share: f64) -> f64 {
-    let square = relative_speed_mps.min(0.0).powi(2);
-    let needed_mps2 = square / (2.0 * gap_m.max(1.0));
-    let late = (1.0 - doubt_share) * needed_mps2.powi(2);
-    let is_worth = late >= doubt_share * FOR_NOTHING_MPS2.powi(2);
-    if is_worth { 0.0 } else { square / (2.0 * EASES_MPS2) }
 }
 
 /// The target with the acceleration that it announces, if it brakes harder than the radar has it. A radar needs some
@@ -179,6 +163,23 @@ fn announced(target: Target, samples: &Samples<'_>, ego: &Ego, time_s: f64) -> T
     let least_mps2 = motions.iter().filter(is_it).map(|motion| motion.acceleration_mps2);
     let acceleration_mps2 = least_mps2.fold(target.acceleration_mps2, f64::min);
     Target { acceleration_mps2, ..target }
+}
+
+/// Braking that is as bad as braking for nothing, m/s²: the most of a cruise control (ISO 15622).
+const FOR_NOTHING_MPS2: f64 = 5.0;
+/// Braking for a target that may stand beside the way, m/s²: about that of an engine. Those behind need no brakes.
+const EASES_MPS2: f64 = 1.0;
+
+/// The target where [`EASES_MPS2`] stops the ego, unless it is worth the braking that it needs. To brake late costs the
+/// square of the braking that is then needed, and to brake for nothing costs that of [`FOR_NOTHING_MPS2`].
+fn eased(target: Target, doubt_share: f64) -> Target {
+    let square = target.relative_speed_mps.min(0.0).powi(2);
+    let needed_mps2 = square / (2.0 * target.gap_m.max(1.0));
+    let late = (1.0 - doubt_share) * needed_mps2.powi(2);
+    if late >= doubt_share * FOR_NOTHING_MPS2.powi(2) {
+        return target;
+    }
+    Target { gap_m: target.gap_m.max(square / (2.0 * EASES_MPS2)), ..target }
 }
 
 /// Stop lines of the map with their timing, nearest first.

@@ -42,7 +42,7 @@ pub struct Across {
     pub in_way: Option<f64>,
     /// It drives along the road.
     pub drives: bool,
-    /// It has been seen to move. For what has not the law eases off while it is doubtful.
+    /// It has been seen to move.
     pub has_moved: bool,
     /// Approach of the ego to it.
     pub approach: Approach,
@@ -85,11 +85,9 @@ pub(super) const COMFORT_MPS2: f64 = 2.5;
 /// Hardest braking that a law asks for, m/s²: the default of `controller.min_request_mps2`. A track that needs more is as
 /// late as it can be, so that the price ends there. Else each vehicle beside the way is worth braking as it comes near.
 const HARDEST_MPS2: f64 = 6.0;
-/// Price of braking for nothing. It surprises those behind, so it is as bad as having to brake with 5 m/s², the most of
-/// a cruise control (ISO 15622).
-const FOR_NOTHING: f64 = 4.0;
-/// Price of easing off for nothing, which the law does for what stands: as bad as having to brake comfortably.
-const EASING_FOR_NOTHING: f64 = 1.0;
+/// Braking that is as bad as braking for nothing, m/s²: the most of a cruise control (ISO 15622). Those behind do not
+/// expect it.
+const FOR_NOTHING_MPS2: f64 = 5.0;
 /// Probability from which a vehicle is followed that needs no braking.
 const FOLLOWED: f64 = 0.8;
 /// Time over which a driving vehicle's probability is a mean, s: it passes the 60 m in which a curve begins at 30 m/s.
@@ -103,13 +101,13 @@ const LEAVES_SHARE: f64 = 0.25;
 
 /// Probability of being in the way from which a track is worth this braking, m/s².
 ///
-/// Braking late costs the square of the braking that is then needed, in multiples of what is comfortable. Braking for
-/// nothing costs [`FOR_NOTHING`]. A track is worth braking if P · (a / 2.5)² > (1 - P) · 4. One that has
-/// not moved is worth easing off at the lower price. Its doubt decides whether the law brakes.
+/// Braking late costs the square of the braking that is then needed, and braking for nothing costs that of
+/// [`FOR_NOTHING_MPS2`]. A track is worth braking if P · a² > (1 - P) · 5². The law eases off for a track that has not
+/// moved, and decides by its doubt whether to brake. Easing off for nothing is as bad as comfortable braking.
 fn enter_at(braking_mps2: f64, has_moved: bool) -> f64 {
-    let late = braking_mps2.min(HARDEST_MPS2) / COMFORT_MPS2;
-    let for_nothing = if has_moved { FOR_NOTHING } else { EASING_FOR_NOTHING };
-    (1.0 / (1.0 + late * late / for_nothing)).min(FOLLOWED)
+    let for_nothing_mps2 = if has_moved { FOR_NOTHING_MPS2 } else { COMFORT_MPS2 };
+    let late = braking_mps2.min(HARDEST_MPS2) / for_nothing_mps2;
+    (1.0 / (1.0 + late * late)).min(FOLLOWED)
 }
 
 impl Approach {

@@ -102,7 +102,7 @@ fn prices_decide_where_the_path_is_doubtful() {
         ((false, true), (false, false)),
         "beside it"
     );
-    // What has never moved is worth easing off: that costs a quarter.
+    // The law eases off for a track that has never moved, at a quarter of the price.
     assert_eq!((of(80.0, 0.51, false), of(80.0, 0.49, false)), ((true, true), (false, true)));
     // A lead that goes along needs no braking.
     let in_way = Some(0.81);
